@@ -29,12 +29,14 @@ class Warming:
     """Friction that fell.
 
     Attributes:
+        joints: Names.
         runs: Names of the runs, as they came one after another.
         scale: Shape (n, K), friction of each drive in each run less what was found, as a share of that; nan for drives
             that do not move in all runs.
         explained: Shape (n,), share of what is left of each drive's torque that these scales explain.
     """
 
+    joints: tuple[str, ...]
     runs: tuple[str, ...]
     scale: Array
     explained: Array
@@ -76,7 +78,7 @@ def warming_of(found: FirstPass) -> Warming | None:
     if min(_chance(speed[whole]), _chance(-speed[whole])) <= FASTER:
         return None
     scale[~whole] = np.nan
-    return Warming(names, scale, explained)
+    return Warming(found.joints, names, scale, explained)
 
 
 def _runs(found: FirstPass, recording: str) -> list[str]:

@@ -54,7 +54,7 @@ def first_lines(look: FirstLook) -> Iterator[str]:
             f"Plain least squares, which has no prior, errs by more than the torque itself on {drives}: what is left "
             "out moves in a way that the other runs do not show."
         )
-    yield from warming_notes(found.joints, warming_of(found))
+    yield from warming_notes(warming_of(found))
 
 
 def changed_lines(found: Iterable[ChangedFriction]) -> Iterator[str]:
@@ -78,6 +78,7 @@ def baseline_lines(verdict: Verdict) -> Iterator[str]:
     yield from table_lines([f"drive {drive.drive}" for drive in baseline.drives], rows)
     if baseline.repeats:
         yield REPEATS
+    yield from warming_notes(baseline.warming)
     if baseline.by == "recording":
         yield f"{ONE_FRICTION} The diagnosed model has those of the recording that is held out, fitted to it."
     yield from filter(None, (missed_sentence(verdict) or behind_sentence(verdict), links_sentence(verdict)))

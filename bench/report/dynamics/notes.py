@@ -24,7 +24,7 @@ def notes_of(found: FirstPass, predicted: Mapping[Path, Torques]) -> Iterator[st
     yield from rivals_notes(found.joints, "what was held out", found.held_out)
     for folder, torques in predicted.items():
         yield from rivals_notes(found.joints, str(folder), torques)
-    yield from warming_notes(found.joints, warming_of(found))
+    yield from warming_notes(warming_of(found))
     if found.folds.repeats:
         yield f"{REPETITION}; give one with --held-out."
     for joint, noise in zip(found.joints, found.solution.noise, strict=True):
@@ -67,16 +67,16 @@ def notes_of(found: FirstPass, predicted: Mapping[Path, Torques]) -> Iterator[st
         yield f"The payload is told against the stated masses of the links; {carried}"
 
 
-def warming_notes(joints: Sequence[str], warming: Warming | None) -> Iterator[str]:
+def warming_notes(warming: Warming | None) -> Iterator[str]:
     """Yield how much friction falls from run to run; nothing where it does not."""
     if warming is None:
         return
-    fell = {joint: one[0] - one[-1] for joint, one in zip(joints, warming.scale, strict=True) if one[0] > one[-1]}
-    shares = ", ".join(f"{joint} {share:.1%}" for joint, share in fell.items())
+    each = zip(warming.joints, warming.scale, strict=True)
+    shares = ", ".join(f"{joint} {scale[0] - scale[-1]:.1%}" for joint, scale in each if scale[0] > scale[-1])
     yield (
-        f"Friction falls from run to run, as of drives that warm up, and the model here has one friction for all: from "
-        f"{warming.runs[0]!r} to {warming.runs[-1]!r} by {shares}. A warmer or colder recording is missed by as "
-        "much: warm up first, or log temperatures of gears (gear_temperature_i_k)."
+        "Friction falls from run to run, as of drives that warm up; least squares has one friction for all. From "
+        f"{warming.runs[0]!r} to {warming.runs[-1]!r} it falls by {shares}. A warmer or colder recording is missed by "
+        "as much: warm up first. With temperatures of the gears in the log (gear_temperature_i_k) a diagnosis tells it."
     )
 
 

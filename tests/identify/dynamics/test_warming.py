@@ -35,7 +35,7 @@ def test_friction_that_falls_from_run_to_run_is_said() -> None:
     fell = warming.scale[:, 0] - warming.scale[:, -1]
     np.testing.assert_allclose(fell, FIVE[0] - FIVE[-1], atol=0.02)
     assert np.all(warming.explained > 0.5)
-    (sentence,) = warming_notes(("base", "shoulder", "elbow"), warming)
+    (sentence,) = warming_notes(warming)
     assert "Friction falls from run to run" in sentence
 
 
