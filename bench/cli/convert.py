@@ -99,7 +99,7 @@ class Convert:
         for names, files in unused.items():
             if names:
                 print(f"{', '.join(files)}: not used: {', '.join(names)}")
-        warnings = check_campaign(out, plain_arm(compiled)).findings  # one with errors was not written
+        warnings = [*converted.warnings, *check_campaign(out, plain_arm(compiled)).findings]  # errors are not written
         for warning in at_a_glance(warnings):
             print(f"{warning.label:14}{warning}")
         unknown = tuple(unknown_constants(converted.campaign, compiled))  # of the robot, and to be mended there

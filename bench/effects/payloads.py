@@ -117,8 +117,10 @@ class UnstatedPayload(GeometryAndMass):
                 carried.mass, carried.inertia, carried.explicitinertial = 0.0, np.zeros(3), True
                 carried.ipos, carried.iquat = np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
             before, at = float(carried.mass), np.array(load.ipos)
+            there = np.array(carried.pos) + np.array(carried.ipos) - at  # a fit moves its centre of mass in its frame
             carried.mass = max(before + mass, 0.0)
-            carried.pos = at + _centre(carried.mass, before * (np.array(carried.pos) - at) + moment)
+            carried.pos = at + _centre(carried.mass, before * there + moment)
+            carried.ipos = np.zeros(3)
             carried.inertia = moments_of_inertia(np.maximum(second_moments(carried.inertia) + second, 0.0))
 
         return change if mass or np.any(second) else None

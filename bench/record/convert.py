@@ -3,7 +3,10 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from datetime import datetime, timedelta
 from pathlib import Path
+
+import numpy as np
 
 from bench.errors import CampaignError, not_utf_8
 from bench.record.campaign import Arm, Array, Campaign, Run
@@ -11,6 +14,7 @@ from bench.record.check import examine_all
 from bench.record.finding import Finding
 from bench.record.limits import TABLE_BYTES
 from bench.record.log_format import LogFormat
+from bench.record.logs.dates import EPOCH, is_dated
 from bench.record.logs.likewise import likewise
 from bench.record.logs.mcap_table import MCAP
 from bench.record.logs.read import LogColumns, in_log, no_values, read_log
@@ -29,17 +33,36 @@ class Converted:
     Attributes:
         campaign: One run for each file, or for each piece of it, named after it.
         unused: File name -> its columns that the format does not name.
+        warnings: What was done to a log that the format did not mean.
     """
 
     campaign: Campaign
     unused: Mapping[str, tuple[str, ...]]
+    warnings: tuple[Finding, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Log:
+    """What became of one log.
+
+    Attributes:
+        file: Where it was.
+        pieces: The runs of it, each with the time at which it begins [s] after its first row.
+        first: What its clock shows in its first row [s]; nan without a clock.
+        length: From its first row to its last [s].
+    """
+
+    file: Path
+    pieces: list[tuple[float, dict[str, Array]]]
+    first: float
+    length: float
 
 
 def convert(source: Path, layout: LogFormat, robot: str, arm: Arm | None = None) -> Converted:
     """Make a campaign of a log, or of all logs of a folder in the order of their names.
 
-    The clock of each run begins at its first row. Logs do not say when they were started: each is put a minute after
-    the end of the one before, and the notes of its runs say so.
+    The clock of each run begins at its first row. Where the clocks of all logs are dates and no two logs overlap, these
+    say when each was started. Else each is put a minute after the end of the one before, and notes of its runs say so.
 
     Args:
         source: A file, or a folder of files; text, Parquet or MCAP.
@@ -56,25 +79,46 @@ def convert(source: Path, layout: LogFormat, robot: str, arm: Arm | None = None)
     _expect_topics_of(files, layout)
     findings: list[Finding] = []
     unused: dict[str, tuple[str, ...]] = {}
-    runs: list[Run] = []
-    start = 0.0
+    warnings: list[Finding] = []
+    logs: list[_Log] = []
     for file in files:
         log = read_log(file, layout, findings)
         if log is None:
             continue
         unused[file.name] = log.unused
+        clock = log.columns.get("time_s", np.empty(0))
+        if layout.resample and (message := layout.resample.invented(clock)):
+            warnings.append(Finding("warning", file.name, None, "", *message))
         pieces, length = _pieces(file, log, layout, arm, findings)
-        when = "" if len(files) == 1 else "; the time of its start is not known"
-        for begin, columns in pieces:
-            name = _run_name(file, {run.name for run in runs})
-            cut = f" from {begin:g} s" if not layout.runs.cuts_nothing else ""
-            runs.append(Run(name, layout.kind, round(start + begin, 9), columns, f"made of {file.name}{cut}{when}"))
-        start += length + PAUSE_S if "time_s" in log.columns else 0.0
+        logs.append(_Log(file, pieces, float(clock[0]) if len(clock) else np.nan, length))
     if findings:
         raise CampaignError(str(finding) for finding in likewise(findings))
+    starts, started = _starts(logs)
+    unknown = "" if len(files) == 1 or started else "; the time of its start is not known"
+    runs: list[Run] = []
+    for one, start in zip(logs, starts, strict=True):
+        for begin, columns in one.pieces:
+            name = _run_name(one.file, {run.name for run in runs})
+            cut = f" from {begin:g} s" if not layout.runs.cuts_nothing else ""
+            note = f"made of {one.file.name}{cut}{unknown}"
+            runs.append(Run(name, layout.kind, round(start + begin, 9), columns, note))
     if not runs:
         raise CampaignError(f"{source}: nothing is left of it; look at `runs` and `resample` in the log.yaml")
-    return Converted(Campaign(robot, tuple(runs), noise=layout.noise, notes=_notes(layout)), unused)
+    campaign = Campaign(robot, tuple(runs), started, layout.noise, _notes(layout))
+    return Converted(campaign, unused, tuple(warnings))
+
+
+def _starts(logs: Sequence[_Log]) -> tuple[list[float], datetime | None]:
+    """Return when each log begins after the first one [s], and when that one began if their clocks are dates."""
+    first = np.array([log.first for log in logs])
+    if logs and all(map(is_dated, first.tolist())):
+        order = np.argsort(first, kind="stable")
+        ends = (first + [log.length for log in logs])[order]
+        if np.all(ends[:-1] < first[order][1:]):
+            begin = float(first.min())
+            return (first - begin).tolist(), EPOCH + timedelta(seconds=begin)
+    pauses = [log.length + PAUSE_S if np.isfinite(log.first) else 0.0 for log in logs]
+    return [float(sum(pauses[:k])) for k in range(len(logs))], None
 
 
 def _expect_topics_of(files: Sequence[Path], layout: LogFormat) -> None:

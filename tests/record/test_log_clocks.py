@@ -89,6 +89,50 @@ def test_a_clock_of_dates(tmp_path: Path, stamp: str, between: str) -> None:
         convert(log(tmp_path, "y.csv", "t;q\n" + rows.replace("2024-12", "2024-13")), form, "mine")
 
 
+def _dated(folder: Path, **begins: float) -> None:
+    for name, begin in begins.items():
+        log(folder, f"{name}.csv", "t,q\n" + "".join(f"{begin + 0.1 * k:.1f},{0.1 * k:.1f}\n" for k in range(100)))
+
+
+def test_logs_whose_clocks_are_dates_say_when_they_were_started(tmp_path: Path) -> None:
+    """Stamps of ROS count from 1970. Runs were put a minute apart all the same, and drives cool down in ten."""
+    _dated(tmp_path, a=1_779_000_720.0, b=1_779_000_000.5)
+    campaign = convert(tmp_path, layout(), "mine").campaign
+    assert {run.name: round(run.start_s, 6) for run in campaign.runs} == {"a": 719.5, "b": 0.0}
+    assert campaign.started is not None
+    assert campaign.started.isoformat() == "2026-05-17T06:40:00.500000+00:00"
+    assert not any("not known" in run.note for run in campaign.runs)
+    later = layout(runs={"windows_s": [[2, 5]]})
+    assert sorted(round(run.start_s, 6) for run in convert(tmp_path, later, "mine").campaign.runs) == [2.0, 721.5]
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        (1_779_000_000.0, 1_779_000_005.0),  # two clocks that differ, or one log twice
+        (1_779_000_000.0, 12.0),  # one that counts from when the machine was turned on
+        (946_684_900.0, 946_684_800.0),  # a battery that is dead: 2000-01-01
+    ],
+)
+def test_clocks_that_cannot_be_dates_of_one_machine_say_nothing_of_starts(
+    tmp_path: Path, first: float, second: float
+) -> None:
+    _dated(tmp_path, a=first, b=second)
+    campaign = convert(tmp_path, layout(), "mine").campaign
+    assert [round(run.start_s, 6) for run in campaign.runs] == [0.0, 69.9]
+    assert campaign.started is None
+    assert all("time of its start is not known" in run.note for run in campaign.runs)
+
+
+def test_more_rows_than_were_read_are_a_warning(tmp_path: Path) -> None:
+    """One `log.yaml` for logs of 500 and of 250 Hz made each second row of the latter out of nothing, unsaid."""
+    for name, rate in (("a", 500.0), ("b", 250.0)):
+        log(tmp_path, f"{name}.csv", "t,q\n" + "".join(f"{k / rate:.4f},{0.1 * k:.1f}\n" for k in range(100)))
+    (warning,) = convert(tmp_path, layout(resample={"rate_hz": 499.9}), "mine").warnings
+    assert str(warning).startswith("b.csv: is read 250 times a second, and made 499.9 rows a second by straight lines")
+    assert not convert(tmp_path, layout(resample={"rate_hz": 250}), "mine").warnings
+
+
 @pytest.mark.parametrize(
     "second",
     [

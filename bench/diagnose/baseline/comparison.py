@@ -14,6 +14,7 @@ from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.identify.dynamics.first_pass import FirstPass
 from bench.identify.dynamics.held_out import SAME
+from bench.identify.dynamics.warming import Warming, warming_of
 from bench.record.campaign import Array
 
 FAR = 1.1  # effort: ratio of errors, from where another diagnosis is worth its time
@@ -72,12 +73,14 @@ class Baseline:
         folds: How many.
         drives: Those that move and were read.
         repeats: Whether what was held out goes over the same angles as the rest.
+        warming: How friction falls from run to run, in the first pass; None where that may be chance.
     """
 
     by: Literal["recording", "run", "block"]
     folds: int
     drives: tuple[DriveErrors, ...]
     repeats: bool
+    warming: Warming | None = None
 
     @property
     def missed(self) -> tuple[DriveErrors, ...]:
@@ -138,7 +141,7 @@ def baseline_of(linear: LinearisedModel, fit: Fit, first: FirstPass, rate: float
     )
     alone = 1.0 if together < rate / 2 else rate / (2 * len(found))
     drives = tuple(_drive(first, j, count, squares, alone) for j, count, squares in found)
-    return Baseline(folds.by, len(folds), drives, first.folds.repeats)
+    return Baseline(folds.by, len(folds), drives, first.folds.repeats, warming_of(first))
 
 
 def _drive(first: FirstPass, drive: int, count: int, squares: dict[str, Array], rate: float) -> DriveErrors:

@@ -11,6 +11,10 @@ _STAMP = re.compile(
     rb"(\d{4})-(\d{2})-(\d{2})[T ](\d{2}):(\d{2}):(\d{2})(\.\d+)?(?:(Z)|([+-])(\d{2}):(\d{2}))?(?![\d:])"  # ISO 8601
 )
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
+DATED = (
+    datetime(2001, 1, 1, tzinfo=UTC),  # a clock that lost its battery begins anew in 1900, 1904, 1970, 1980 or 2000
+    datetime(2101, 1, 1, tzinfo=UTC),  # years of a campaign end there (bench/record/manifest.py)
+)
 
 
 def in_seconds(data: bytes) -> bytes:
@@ -29,3 +33,8 @@ def _seconds(found: re.Match[bytes]) -> bytes:
     if whole < 0 and fraction:  # the fraction counts upwards, the digits of a negative number downwards
         return f"{whole + Decimal(fraction.decode()):f}".encode()
     return b"%d" % whole + (fraction or b"")
+
+
+def is_dated(seconds: float) -> bool:
+    """Whether a reading of a clock [s] is a moment, counted from 1970; no machine is on for thirty years."""
+    return (DATED[0] - EPOCH).total_seconds() <= seconds < (DATED[1] - EPOCH).total_seconds()

@@ -13,7 +13,9 @@ from bench.record.strict import Strict
 ORDER = 4  # of the Butterworth low-pass; forth and back it is of order 8 and delays nothing
 SHARE = 0.4  # of the new rate, where the low-pass has lost half of the amplitude; half of the rate is Nyquist's limit
 LOST = 3.0  # steps of the log: a longer pause is not bridged (assumed: jitter of a logger stays below one step)
-FASTER = 1.2  # times as many readings as are wanted, from which a low-pass comes first (assumed)
+FASTER = (
+    1.2  # times as many readings as are wanted, from which a low-pass comes first; so many rows, a warning; assumed
+)
 Fill = Literal["hold", "line"]
 
 
@@ -53,6 +55,18 @@ class Resampling(Strict):
         elif self.cutoff_hz is not None and self.cutoff_hz * length < SHARE:
             message = f"resample: a low-pass of {self.cutoff_hz:g} Hz leaves a mean of {length:g} s"
             yield message, f"give a cutoff_hz of more than {SHARE / length:.3g}, or leave it out"
+
+    def invented(self, time: Array) -> tuple[str, str] | None:
+        """Return message and remedy where most rows of the new clock would be no readings, for a log with fewer."""
+        step = float(np.median(np.diff(time))) if len(time) > 1 else np.nan
+        if not step > 0 or self.rate_hz * step <= FASTER:  # a clock that stands still or falls is a fault
+            return None
+        own = 1 / step
+        message = f"is read {own:.4g} times a second, and made {self.rate_hz:.4g} rows a second by straight lines"
+        return (
+            message,
+            f"give a rate_hz of {own:.4g} at most: rows between readings tell nothing, and count as readings",
+        )
 
     def applied(self, columns: Mapping[str, Array]) -> list[dict[str, Array]]:
         """Return stretches of a log on the new clock; it is cut where samples are lost. `time_s` is the clock.

@@ -7,9 +7,11 @@ import numpy as np
 from bench.diagnose.baseline.changed_friction import ChangedFriction
 from bench.diagnose.baseline.first_look import FirstLook
 from bench.diagnose.verdict import DriveErrors, Verdict
+from bench.identify.dynamics.warming import warming_of
 from bench.report.diagnosis.names import capital, listed
 from bench.report.diagnosis.numbers import percent
 from bench.report.dynamics import words
+from bench.report.dynamics.notes import warming_notes
 
 MODELS = {  # fields of `DriveErrors` -> what they are called
     "measured": words.MODELS["measured"],
@@ -52,6 +54,7 @@ def first_lines(look: FirstLook) -> Iterator[str]:
             f"Plain least squares, which has no prior, errs by more than the torque itself on {drives}: what is left "
             "out moves in a way that the other runs do not show."
         )
+    yield from warming_notes(warming_of(found))
 
 
 def changed_lines(found: Iterable[ChangedFriction]) -> Iterator[str]:
@@ -75,6 +78,7 @@ def baseline_lines(verdict: Verdict) -> Iterator[str]:
     yield from table_lines([f"drive {drive.drive}" for drive in baseline.drives], rows)
     if baseline.repeats:
         yield REPEATS
+    yield from warming_notes(baseline.warming)
     if baseline.by == "recording":
         yield f"{ONE_FRICTION} The diagnosed model has those of the recording that is held out, fitted to it."
     yield from filter(None, (missed_sentence(verdict) or behind_sentence(verdict), links_sentence(verdict)))

@@ -51,6 +51,7 @@ from bench.report.diagnosis.sentences import (
     unfinished_sentence,
 )
 from bench.report.diagnosis.slow import slow_sentence
+from bench.report.dynamics.notes import warming_notes
 from bench.report.html import Filters, render
 
 TEMPLATE = "diagnosis/page.html.j2"
@@ -191,6 +192,7 @@ def page_of(
         baseline_rows=drive_rows(verdict),
         behind_words=behind_sentence(verdict),
         repeats_words=REPEATS if verdict.baseline and verdict.baseline.repeats else "",
+        warming_words=" ".join(warming_notes(verdict.baseline.warming if verdict.baseline else None)),
         links_words=links_sentence(verdict),
         expected=[one for one in verdict.predicted if one.kind == "motion"],
         files=made,

@@ -8,6 +8,7 @@ import numpy as np
 from bench.identify.dynamics.first_pass import FirstPass, Torques
 from bench.identify.dynamics.held_out import HeldOut
 from bench.identify.dynamics.prior import WIDER
+from bench.identify.dynamics.warming import Warming, warming_of
 from bench.report.dynamics.words import REPETITION
 
 BARELY = 1.02  # an error larger by less is the same within what folds differ by (assumed)
@@ -23,6 +24,7 @@ def notes_of(found: FirstPass, predicted: Mapping[Path, Torques]) -> Iterator[st
     yield from rivals_notes(found.joints, "what was held out", found.held_out)
     for folder, torques in predicted.items():
         yield from rivals_notes(found.joints, str(folder), torques)
+    yield from warming_notes(warming_of(found))
     if found.folds.repeats:
         yield f"{REPETITION}; give one with --held-out."
     for joint, noise in zip(found.joints, found.solution.noise, strict=True):
@@ -63,6 +65,19 @@ def notes_of(found: FirstPass, predicted: Mapping[Path, Torques]) -> Iterator[st
             else "all runs are taken to carry the same."
         )
         yield f"The payload is told against the stated masses of the links; {carried}"
+
+
+def warming_notes(warming: Warming | None) -> Iterator[str]:
+    """Yield how much friction falls from run to run; nothing where it does not."""
+    if warming is None:
+        return
+    each = zip(warming.joints, warming.scale, strict=True)
+    shares = ", ".join(f"{joint} {scale[0] - scale[-1]:.1%}" for joint, scale in each if scale[0] > scale[-1])
+    yield (
+        "Friction falls from run to run, as of drives that warm up; least squares has one friction for all. From "
+        f"{warming.runs[0]!r} to {warming.runs[-1]!r} it falls by {shares}. A warmer or colder recording is missed by "
+        "as much: warm up first. With temperatures of the gears in the log (gear_temperature_i_k) a diagnosis tells it."
+    )
 
 
 def rivals_notes(joints: Sequence[str], what: str, torques: HeldOut | Torques) -> Iterator[str]:
