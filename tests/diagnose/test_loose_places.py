@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.diagnose.linearise.linearised_model import LinearisedModel, with_scatter
+from bench.diagnose.linearise.linearised_model import LinearisedModel, with_places, with_play, with_scatter
 from bench.diagnose.linearise.loose_places import most_placed
 from bench.diagnose.linearise.noise_covariance import measured_in, of_links
 from bench.diagnose.linearise.rattling import PLACED
@@ -95,3 +95,25 @@ def test_a_play_scatters_links_by_no_more_than_runs_allow(linear: LinearisedMode
     rows = linear.whitenings[0].rows
     found = (covariances[1] - covariances[0])[np.ix_(rows, rows)]
     np.testing.assert_allclose(found, np.outer(expected, expected)[np.ix_(rows, rows)], atol=1e-4 * np.max(expected**2))
+
+
+def test_what_a_better_model_leaves_says_how_far_apart_links_lie(linear: LinearisedModel) -> None:
+    """A misfit that a finding takes away had let links lie where they do not, so a play was charged for it (1081)."""
+    rng = np.random.default_rng(3)
+    aside = [APART * rng.standard_normal() * place_of(linear, i) for i in range(len(linear.segments))]
+    unplaced = replace(linear, scatter=replace(linear.scatter, placed=None))
+    before = with_places(unplaced, linear.residual + np.concatenate(aside))
+    after = with_places(before, linear.residual)
+    again = with_places(after, linear.residual + np.concatenate(aside))
+    assert before.scatter.placed is not None
+    assert after.scatter.placed is not None
+    assert after.scatter.placed[JOINT] < before.scatter.placed[JOINT] / 2
+    np.testing.assert_array_equal(again.scatter.placed, after.scatter.placed)
+
+
+def test_a_play_that_a_model_has_changes_nothing_of_what_is_read(linear: LinearisedModel) -> None:
+    play = GAP * (np.arange(linear.replay.compiled.n_joints) == JOINT)
+    unplaced = replace(linear, scatter=replace(linear.scatter, placed=None))
+    with_it = with_places(with_play(unplaced, play), linear.residual).scatter
+    np.testing.assert_allclose(with_it.placed, with_places(unplaced, linear.residual).scatter.placed)
+    np.testing.assert_array_equal(with_it.play, play)

@@ -179,13 +179,25 @@ def linearised_model_of(
     # What rings after a jerk is left out of the replay: where residuals are rough then, roughness is the noise.
     rings = [segment.rings for segment in replay.segments]
     found = roughened(plain, residual - plain.sensitivities @ fit(plain), rings)
-    return replace(found, scatter=replace(found.scatter, placed=_most_placed(found)))
+    return with_places(found, found.residual)
 
 
-def _most_placed(linear: LinearisedModel) -> Array:
-    """Return how far apart loose links of standing joints lie at most, shape (n,) [rad] or [m]."""
-    known = (linear.replay.compiled, linear.weighed, linear.responses, linear.quantities, linear.whitenings)
-    return most_placed(*known, linear.jacobian, linear.white)
+def with_places(linear: LinearisedModel, left: Array) -> LinearisedModel:
+    """Return the design in which loose links of standing joints lie no farther apart than a residual shows.
+
+    What a model misses otherwise looks like links that lie elsewhere in each run, so this is asked again about a better
+    one; no place is less sure for that. It matters to models with play alone.
+
+    Args:
+        linear: The campaign.
+        left: Shape (T, c), residual of a model.
+    """
+    sound = with_play(linear, linear.replay.compiled.play)
+    known = (linear.replay.compiled, linear.weighed, linear.responses, linear.quantities, sound.whitenings)
+    most = most_placed(*known, sound.jacobian, sound.whiten(left))
+    placed = most if linear.scatter.placed is None else np.minimum(most, linear.scatter.placed)
+    scatter = replace(linear.scatter, placed=placed)
+    return with_scatter(linear, scatter) if np.any(scatter.play > 0) else replace(linear, scatter=scatter)
 
 
 def relinearised(linear: LinearisedModel, which: Sequence[int], sensitivities: Array) -> LinearisedModel:

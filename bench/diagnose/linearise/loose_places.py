@@ -3,7 +3,7 @@
 Within the gap of its gear a link that nothing pushes may lie anywhere, so a play scatters it from one run to the next.
 Where runs show that it does not (an arm that is brought to where it begins in the same way each time, or one that never
 left), a play that charges for such scatter loses to whatever else bends the gear without it: a softening. How much
-there may be is read from the runs themselves, before any play is known.
+there may be is read from the runs themselves, without any play, and again about each better model.
 """
 
 from collections.abc import Iterator, Sequence

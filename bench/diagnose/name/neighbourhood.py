@@ -10,7 +10,13 @@ from bench.diagnose.extend.fit import pseudo_residual
 from bench.diagnose.linearise.candidates import Cause, candidates_of, causes_of
 from bench.diagnose.linearise.generic import blocks_of
 from bench.diagnose.linearise.lack_of_fit import are_settled, factors_of, left_by_nuisances, unexplained
-from bench.diagnose.linearise.linearised_model import LinearisedModel, raised, relinearised, with_friction_of
+from bench.diagnose.linearise.linearised_model import (
+    LinearisedModel,
+    raised,
+    relinearised,
+    with_friction_of,
+    with_places,
+)
 from bench.diagnose.linearise.screening import Screening, Tried, screen, tried_of
 from bench.diagnose.linearise.signatures import Sensitivities, Signatures
 from bench.diagnose.name.models import Model, without_shape
@@ -105,7 +111,7 @@ class Neighbourhood:
         fit, count = model.fit, len(linear.nuisances)
         nominal = model.linear(linear)
         world = fit.world(nominal)
-        own, before = with_friction_of(nominal, world, fit.play), self._changes
+        own, before = with_places(with_friction_of(nominal, world, fit.play), fit.residual), self._changes
         causes = self._causes_of(own.replay.robot(world))
         taken = {cause.key for cause in fit.causes}
         if not {cause.key for cause in causes} <= {cause.key for cause in self._causes} | taken:
