@@ -264,6 +264,8 @@ def test_parquet(tmp_path: Path) -> None:
             r"columns\.q_motor_1_rad\.factor: is 0.*one unit of the log",
         ),
         ("columns: {time_s: {from: a, factor: -0.0}}", r"columns\.time_s\.factor: is 0"),
+        ("columns: {time_s: {from: a}, current_1_a: }", r"line 1: columns\.current_1_a has no value"),
+        ("columns: {time_s: {from: !x a}}", "line 1: 'a' is no !x that is read"),
     ],
 )
 def test_a_format_that_cannot_be_is_told(tmp_path: Path, text: str, said: str) -> None:
