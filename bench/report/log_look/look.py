@@ -17,14 +17,13 @@ from bench.record.look.names import clocks, families_by_name, unit_of
 from bench.record.look.rests import rest_columns
 from bench.record.look.values import clock_factor, clock_of, families_by_value, moving, readable, without_holes
 from bench.record.plain_file import FileFault, read_plain
+from bench.record.rules.clock import JITTER
 from bench.record.table import Table
 from bench.report.log_look.drives import drives, readings_of
 from bench.report.log_look.gears import geared
 from bench.report.log_look.lines import QUANTITY, Line, positions, temperatures
 from bench.report.log_look.trial import refusals
 from bench.robot.nominal_dynamics import NominalDynamics
-
-JITTER = 0.05  # of a step, from which the first pass cuts a run (`identify/dynamics/samples.py`)
 
 
 @dataclass(frozen=True)
