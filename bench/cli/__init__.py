@@ -65,6 +65,7 @@ NOT_READ = 141
 GRAPHICS = "MUJOCO_GL"
 PICTURES = {"MPLBACKEND": "agg"}  # all are files; what stands there may be a notebook's, or no backend at all
 NARROWEST = 20  # columns; tables of help take for ever to be laid out in one to four
+NO_TEMPORARY = "No usable temporary directory"  # as Python says it
 UNPRINTED = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 
 
@@ -120,6 +121,8 @@ def _of_surroundings(error: BaseException) -> tuple[str, int] | None:
         return short, InputError.exit_code
     if isinstance(error, OSError) and error.errno in (errno.EMFILE, errno.ENFILE):
         return f"{error.strerror}; let it open more (ulimit -n), and end what holds many", InputError.exit_code
+    if isinstance(error, FileNotFoundError) and NO_TEMPORARY in str(error):
+        return f"{error.strerror}; free some space there, or name another in TMPDIR", InputError.exit_code
     if isinstance(error, ImportError | RuntimeError) and GRAPHICS in str(error):  # as MuJoCo refuses it
         return f"{error}; egl, osmesa or glfw, or leave it out", InputError.exit_code
     if isinstance(error, ImportError) and not str(error.name).startswith(bench.__name__):

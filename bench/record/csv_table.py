@@ -29,6 +29,8 @@ OTHER_FILES: Mapping[bytes, tuple[str, str]] = {  # by how they begin: what they
 }
 LONGEST_CELL = 1100  # characters; the longest double takes 1077 digits when written out, and 17 are enough
 _COMMA_NUMBER = re.compile(r"[+-]?[0-9]*,[0-9]+([eE][+-]?[0-9]+)?")
+_GROUPED = re.compile(r"[+-]?[0-9]{1,3}([.,' \u00a0\u2009\u202f][0-9]{3})+([.,][0-9]*)?")  # thousands apart
+_CLOCK = re.compile(r"([0-9]{1,4}[./-][0-9]{1,2}[./-][0-9]{1,4}[T ]*)?([0-9]{1,2}:[0-9]{2}(:[0-9.,]+)?.*)?")
 
 
 def read(path: Path, file: str, findings: list[Finding]) -> tuple[tuple[str, ...], dict[str, Array]] | None:
@@ -90,16 +92,23 @@ def cell_by_cell(data: bytes, file: str, findings: list[Finding]) -> tuple[tuple
     for name, cells in zip(names, zip(*rows, strict=True) if rows else ((),) * len(names), strict=True):
         bad = [number for number, cell in enumerate(cells, 1) if cell and not is_number(cell)]
         if bad:
-            comma = _COMMA_NUMBER.fullmatch(cells[bad[0] - 1][:LONGEST_CELL])
-            fault(
-                f"{cells[bad[0] - 1][:40]!r} is no number, {spell_rows(bad)}",
-                "write a decimal point" if comma else "write a number; remarks belong into the note of the run",
-                bad[0],
-                name,
-            )
+            cell = cells[bad[0] - 1]
+            fault(f"{cell[:40]!r} is no number, {spell_rows(bad)}", in_place_of(cell), bad[0], name)
         elif name not in columns:
             columns[name] = np.array([float(cell or "nan") for cell in cells])
     return names, columns
+
+
+def in_place_of(cell: str) -> str:
+    """Return what to write in place of a cell that is no number."""
+    cell = cell[:LONGEST_CELL]
+    if _COMMA_NUMBER.fullmatch(cell):
+        return "write a decimal point"
+    if _GROUPED.fullmatch(cell):
+        return "write numbers without marks between thousands"
+    if cell and _CLOCK.fullmatch(cell):
+        return "write seconds; in logs moments like 2024-05-13T09:00:00.002 are read too"
+    return "write a number; remarks belong into the note of the run"
 
 
 def write(path: Path, columns: Mapping[str, Array]) -> None:

@@ -3,13 +3,12 @@
 import errno
 import os
 import re
-import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from bench.errors import InputError
-from bench.record.leftovers import Held, begin, remove_leftovers
+from bench.record.leftovers import Held, Reserve, begin, remove, remove_leftovers
 
 UNWRITABLE = (
     *(errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO),  # full or broken
@@ -59,6 +58,7 @@ def _new_folder(folder: Path, mark: str, replace: bool) -> Iterator[Path]:
             raise InputError(f"{folder}: is not empty; choose another name")
         if not (folder / mark).is_file():
             raise InputError(f"{folder}: holds other things than {mark} and is not replaced; choose another name")
+    reserve = Reserve()
     partial, old, held = begin(folder)
     replaced = Held(folder)  # until the new one has its name; nobody takes it for a leftover meanwhile
     try:
@@ -72,8 +72,9 @@ def _new_folder(folder: Path, mark: str, replace: bool) -> Iterator[Path]:
     finally:
         if old.exists() and not folder.exists():
             old.rename(folder)
+        reserve.let_go()
         for leftover in (partial, old):
-            shutil.rmtree(leftover, ignore_errors=True)
+            remove(leftover)
         held.let_go()
         replaced.let_go()
 

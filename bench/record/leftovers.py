@@ -9,7 +9,6 @@ import fcntl
 import os
 import re
 import secrets
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -75,6 +74,38 @@ def begin(folder: Path) -> tuple[Path, Path, Held]:
         held.let_go()  # one that cleans up was faster
 
 
+def remove(folder: Path) -> None:
+    """Remove a folder with all that is in it, as far as that is allowed; with one open file at a time.
+
+    `shutil.rmtree` needs one for each level, which a process that has run out of them does not get.
+    """
+    for place, folders, files in os.walk(folder, topdown=False):
+        for name in (*files, *folders):
+            path = Path(place, name)
+            with contextlib.suppress(OSError):
+                if path.is_dir() and not path.is_symlink():
+                    path.rmdir()
+                else:
+                    path.unlink()
+    with contextlib.suppress(OSError):
+        folder.rmdir()
+
+
+class Reserve:
+    """An open file that is kept to be closed when another is needed, where no more than so many may be open."""
+
+    def __init__(self) -> None:
+        self._opened = -1
+        with contextlib.suppress(OSError):
+            self._opened = os.open(os.devnull, os.O_RDONLY | os.O_CLOEXEC)
+
+    def let_go(self) -> None:
+        """Close it."""
+        if self._opened >= 0:
+            os.close(self._opened)
+            self._opened = -1
+
+
 def remove_leftovers(place: Path) -> None:
     """Remove what dead processes left in a folder; a folder that one was just replacing gets its name back."""
     for entry in _partials(place):
@@ -86,7 +117,7 @@ def remove_leftovers(place: Path) -> None:
                 if named["kind"] == "old" and not original.exists():
                     entry.rename(original)
                 else:
-                    shutil.rmtree(entry, ignore_errors=True)
+                    remove(entry)
         held.let_go()
 
 

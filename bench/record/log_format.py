@@ -142,4 +142,4 @@ def read_log_format(path: Path) -> LogFormat:
     Raises:
         InputError: It cannot be read or breaks the schema; every fault is listed with its place.
     """
-    return read_as(LogFormat, path, InputError)
+    return read_as(LogFormat, path, InputError, ("columns",))

@@ -113,7 +113,7 @@ class Manifest(NamedTuple):
 def read_manifest(folder: Path) -> Manifest:
     """Read `campaign.yaml` of a folder, as far as it can be understood."""
     try:
-        content = load_yaml(folder / MANIFEST)
+        content = load_yaml(folder / MANIFEST, ("noise",))
     except YamlFault as fault:
         message, remedy = _wrong_folder(folder) or (str(fault), fault.remedy)
         return Manifest(None, (), (_fault("", message, remedy),))

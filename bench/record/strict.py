@@ -1,5 +1,6 @@
 """What all validated configuration has in common, and how a file of it is read."""
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import TypeVar
 
@@ -18,14 +19,14 @@ class Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
-def read_as(model: type[Model], path: Path, refused: type[BenchError]) -> Model:
-    """Read a YAML file as a model.
+def read_as(model: type[Model], path: Path, refused: type[BenchError], listing: Collection[str] = ()) -> Model:
+    """Read a YAML file as a model; `listing` as of `load_yaml`.
 
     Raises:
         BenchError: Of the kind `refused`: it cannot be read or breaks the model; every fault with its place.
     """
     try:
-        return model.model_validate(load_yaml(path))
+        return model.model_validate(load_yaml(path, listing))
     except YamlFault as fault:
         raise refused(f"{path}: {fault}; {fault.remedy}") from fault
     except ValidationError as error:

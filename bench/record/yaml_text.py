@@ -1,7 +1,9 @@
 """YAML without guesses: every scalar arrives as text, and the model that receives it decides what it is.
 
 So "1e-3" is a number where a number is expected, "no" stays a word, and a run called 007 keeps its zeros. A key without
-a value (or with null) counts as not written. A key that is written twice is a fault; PyYAML would keep the last.
+a value (or with null) counts as not written, but for a name that the user lists (a quantity, a column), which lacks
+its value. A key that is written twice is a fault; PyYAML would keep the last. So is a type written before a value that
+is not of it, or of which nothing is known here (!!set, !x).
 
 Robots and scenarios are read with PyYAML's own types (`load_typed_yaml`), less what YAML 1.1 takes for numbers and
 people do not: 1:30 is ninety there, 010 eight. Both ways have the limits of `bench.record.limits`: bytes, levels, and
@@ -9,6 +11,7 @@ values with aliases written out.
 """
 
 import re
+from collections.abc import Collection
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -21,6 +24,8 @@ from bench.record.plain_file import FileFault, read_plain
 LONGEST_NUMBER = 100  # characters; 17 digits are all that a number keeps, and PyYAML is slow with thousands
 TAG = "tag:yaml.org,2002:"
 BOOL, INT, FLOAT, STR, TIMESTAMP = (f"{TAG}{name}" for name in ("bool", "int", "float", "str", "timestamp"))
+SEQ, MAP, NULL = (f"{TAG}{name}" for name in ("seq", "map", "null"))
+PLAIN_TYPES = {yaml.ScalarNode: (STR, BOOL, INT, FLOAT, TIMESTAMP, NULL), yaml.SequenceNode: (SEQ,)}
 DECIMAL = re.compile(r"[-+]?((0|[1-9]\d*)|(\d+\.\d*|\.\d+)([eE][-+]?\d+)?|\.(inf|Inf|INF))|\.(nan|NaN|NAN)", re.ASCII)
 _PARTED = re.compile(r"[-+]?\d[\d_]*_[\d_]*(\.[\d_]*)?([eE][-+]?[\d_]+)?", re.ASCII)  # pydantic reads 1_0e1 as 100
 _LED_BY_ZERO = re.compile(r"[-+]?0\d", re.ASCII)
@@ -105,10 +110,37 @@ def _parts(node: yaml.Node | None) -> list[yaml.Node]:
 
 
 class _Loader(_Guarded, yaml.BaseLoader):
+    listing: Collection[str] = ()  # keys whose mappings have names of the user's own
+
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
+        node = super().compose_node(parent, index)
+        if node is not None and not self._is_of_its_tag(node):
+            value = f"{node.value!r} is no" if isinstance(node, yaml.ScalarNode) else "a list of values is no"
+            problem = f"{value} {node.tag.replace(TAG, '!!')} that is read"
+            raise _RefusedError(problem, "write the value alone, without a type before it", node.start_mark)
+        if isinstance(parent, yaml.MappingNode) and isinstance(index, yaml.ScalarNode) and index.value in self.listing:
+            for name, value in node.value if isinstance(node, yaml.MappingNode) else ():
+                if _is_null(value):
+                    remedy = "write its value, or remove it"
+                    raise _RefusedError(f"{index.value}.{name.value} has no value", remedy, name.start_mark)
+        return node
+
+    def _is_of_its_tag(self, node: yaml.Node) -> bool:
+        """Whether a value may have the type that is written before it; without one it has that of its form."""
+        if node.tag not in PLAIN_TYPES.get(type(node), (MAP,)):
+            return False
+        if node.tag in (STR, SEQ, MAP):
+            return True
+        plain = _TYPES.resolve(yaml.ScalarNode, node.value, (True, False))  # type: ignore[no-untyped-call]
+        return bool(plain == node.tag)
+
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         node.value = [(key, value) for key, value in node.value if not _is_null(value)]
         mapping: dict[Any, Any] = super().construct_mapping(node, deep)
         return mapping
+
+
+_TYPES = yaml.resolver.Resolver()
 
 
 class _TypedLoader(_Guarded, yaml.SafeLoader):
@@ -156,13 +188,17 @@ def _is_null(node: yaml.Node) -> bool:
     return isinstance(node, yaml.ScalarNode) and node.style is None and node.value in ("", "~", "null")
 
 
-def load_yaml(path: Path) -> dict[str, Any]:
+def load_yaml(path: Path, listing: Collection[str] = ()) -> dict[str, Any]:
     """Read a mapping whose scalars are all `str`.
+
+    Args:
+        path: Of the file.
+        listing: Keys whose mappings list names of the user's own, each of which needs a value.
 
     Raises:
         YamlFault: The file cannot be read, is not UTF-8, not YAML, or not a mapping; or it exceeds a limit.
     """
-    return _loaded(path, _Loader)
+    return _loaded(path, type("_Listing", (_Loader,), {"listing": listing}))
 
 
 def load_typed_yaml(path: Path) -> dict[str, Any]:

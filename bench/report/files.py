@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from bench.errors import InputError
+from bench.record.folder import UNWRITABLE
 
 
 def refuse_to_overwrite(path: Path) -> None:
@@ -23,7 +24,7 @@ def replacing(path: Path) -> Iterator[Path]:
     """Yield a name beside `path` to write to; afterwards the file has the name `path`, after an error it is gone.
 
     Raises:
-        InputError: The folder of `path` does not exist, or nothing can be written there.
+        InputError: The folder of `path` does not exist, nothing can be written there, or the disk is full.
     """
     partial = path.with_name(f".{path.stem}.partial{path.suffix}")
     try:
@@ -33,5 +34,10 @@ def replacing(path: Path) -> Iterator[Path]:
     try:
         yield partial
         partial.replace(path)
+    except OSError as error:
+        if error.errno not in UNWRITABLE:
+            raise
+        message = f"{path}: cannot be written ({error.strerror}); free some space or choose another"
+        raise InputError(message) from error
     finally:
         partial.unlink(missing_ok=True)

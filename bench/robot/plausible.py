@@ -128,6 +128,15 @@ OF_TORQUE_LIMITS = Range(
 OF_ELEMENTS = Range(
     "the frequency at which its rotor swings on it", "Hz", 0.5, 1e7, "correct stiffness, in Nm/rad, or armature"
 )
+# What its torque limit gives a rotor alone: 5 to 63 rad/s^2 in the robots that come along; assumed: a servo motor with
+# a slim rotor has 1e5, which a gear divides by its ratio
+OF_ROTORS = Range(
+    "the acceleration that its torque limit gives its rotor",
+    "rad/s^2",
+    0.0,
+    1e5,
+    "armature is the rotor's inertia times the square of the gear ratio",
+)
 LEAST_MASS = Range(  # a tenth of a millimetre of water each way weighs 1e-9 kg
     "mass", "kg", 1e-9, 1e4, "what a drive turns weighs something; masses are in kg"
 )

@@ -1,5 +1,6 @@
 """What a command is started in: no output to print to, a terminal of no width, graphics that are none."""
 
+import errno
 import os
 import subprocess
 import sys
@@ -9,6 +10,8 @@ import pytest
 
 from bench.cli import main
 from bench.cli.memory import short_of_memory
+from bench.errors import InputError
+from bench.report.files import replacing
 
 BENCH = Path(sys.executable).with_name("bench")
 
@@ -76,6 +79,25 @@ def test_output_that_may_not_grow_is_one_sentence(tmp_path: Path) -> None:
     """A limit of the size of files (`ulimit -f`, a FAT disk) ended in a traceback, where a full disk did not."""
     found = ended(f"sh -c 'ulimit -f 1; exec {BENCH} effects > {tmp_path / 'out'}'")
     assert (found.returncode, "what it prints cannot be written" in found.stderr) == (2, True)
+    assert "Traceback" not in found.stderr
+
+
+def test_a_file_that_may_not_grow_is_named(tmp_path: Path) -> None:
+    """A full disk for the file of -o was called one for what is printed."""
+    with pytest.raises(InputError, match="cannot be written"), replacing(tmp_path / "a.yaml"):
+        raise OSError(errno.ENOSPC, "No space left on device")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_full_folder_for_temporary_files_is_one_sentence(tmp_path: Path) -> None:
+    """It ended in a traceback."""
+    (tmp_path / "log.csv").write_text("t,q\n" + "".join(f"{k / 100},{k % 7}\n" for k in range(200)))
+    found = ended(f"sh -c 'ulimit -f 0; exec {BENCH} convert --look {tmp_path}/log.csv -o {tmp_path}/look.yaml'")
+    assert (found.returncode, "No usable temporary directory" in found.stderr, "TMPDIR" in found.stderr) == (
+        2,
+        True,
+        True,
+    )
     assert "Traceback" not in found.stderr
 
 

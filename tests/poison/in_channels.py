@@ -82,6 +82,13 @@ def clocks(rng: np.random.Generator) -> Iterator[Variant]:
             file.write_text(later.sub(lambda found: str(float(found[0]) + at), file.read_text(), count))
 
         yield Variant("clocks", f"start_s from {at:g}, {count or 'all'}", start, "doubt", ("start_s", "years"))
+    for seed in (1, 2):  # nothing is said of a current, which follows from it
+
+        def jitter(time: np.ndarray, seed: int = seed) -> np.ndarray:
+            return time + np.random.default_rng(seed).uniform(-0.3, 0.3, len(time)) * (time[1] - time[0])
+
+        words = (OTHER, "time_s", "times of arrival?", " 1 warning;")
+        yield Variant("clocks", f"jitter of 30 %, {seed}", _time(jitter, OTHER), "harmless", words)
     for name, (change, answer) in changes.items():
         places = (MOTION, "time_s") if answer != "error or harmless" else ()
         yield Variant("clocks", name, _time(change, MOTION), answer, places)

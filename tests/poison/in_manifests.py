@@ -75,6 +75,9 @@ def values_of_the_manifest(rng: np.random.Generator) -> Iterator[Variant]:
         "noise: {load: 1}",
         "noise: {current: -1}",
         "noise: {current: .nan}",
+        "noise: {current: }",
+        "noise: {current: null, gas_pressure: 1e4}",
+        "noise: {current}",
     ):
         text = f"{HEAD}{line}\nruns: [{RUN}]"
         yield Variant("values of the manifest", line, _written(text), "error", (MANIFEST, line.split(":")[0]))
@@ -159,7 +162,11 @@ def garbage_for_a_manifest(rng: np.random.Generator) -> Iterator[Variant]:
             "latin-1": ("robot: Knickarm Größe".encode("latin-1"), ("UTF-8",)),
             "UTF-16": ((HEAD + f"runs: [{RUN}]").encode("utf-16"), ()),
             "tabs": ("format: 1\n\trobot: x", ("line 2",)),
-            "code": (f"{HEAD}notes: !!python/object/apply:os.system [id]\nruns: 7", ("runs",)),
+            "code": (f"{HEAD}notes: !!python/object/apply:os.system [id]\nruns: 7", ("line 3", "!!python")),
+            "a type of somebody's own": (f"{HEAD}notes: !x y\nruns: [{RUN}]", ("line 3", "!x")),
+            "a set": (f"{HEAD}noise: !!set {{current}}\nruns: [{RUN}]", ("line 3", "!!set")),
+            "bytes": (f"{HEAD}notes: !!binary aGVsbG8=\nruns: [{RUN}]", ("line 3", "!!binary")),
+            "a number that is none": (f"{HEAD}notes: !!int noon\nruns: [{RUN}]", ("line 3", "!!int")),
             "two documents": (f"{HEAD}---\n{HEAD}", ("line 3",)),
             "half a pair": (f'{HEAD}notes: "\\ud800"\nruns: [{RUN}]', ("line 3",)),
             "a key that is a list": ("? [a]\n: 1", ("line 1",)),

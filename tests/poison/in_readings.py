@@ -32,6 +32,9 @@ def spoilt_readings(rng: np.random.Generator) -> Iterator[Variant]:
     }
     for column, (value, answer, words) in alone.items():
         yield Variant("spoilt readings", f"{column} in row {row}", _cell(column, value, (row,)), answer, words)
+    places = ("q_motor_2_rad", "is no position of this joint", "lost or spoilt?")
+    two = _cell("q_motor_2_rad", 80.0, (row, row + 4))
+    yield Variant("spoilt readings", "q_motor_2_rad in two rows", two, "error", places)
 
 
 def spoilt_single_rows(rng: np.random.Generator) -> Iterator[Variant]:

@@ -31,6 +31,20 @@ def _append(line: str) -> Spoil:
     return spoil
 
 
+def rotors_before_their_gears(rng: np.random.Generator) -> Iterator[Variant]:
+    """Give a rotor's inertia as it is in the motor, for the one at the joint."""
+    for name, given in (("hinge_a", "40.0"), ("hinge_b", "20.0")):
+
+        def spoil(folder: Path, given: str = given) -> None:
+            file = folder / "robot" / "small.xml"
+            text = file.read_text()
+            assert f'armature="{given}"' in text
+            file.write_text(text.replace(f'armature="{given}"', f'armature="{float(given) / 1e4:g}"'))
+
+        words = (name, "gives its rotor is", "square of the gear ratio")
+        yield Variant("rotors before their gears", name, spoil, "harmless", words)
+
+
 def figures(rng: np.random.Generator) -> Iterator[Variant]:
     appended: dict[str, tuple[str, tuple[str, ...]]] = {
         "a key given twice": ("title: other\n", ("title", "twice")),
@@ -203,6 +217,7 @@ def errors_as_fitted(rng: np.random.Generator) -> Iterator[Variant]:
 
 
 FAMILIES = (
+    rotors_before_their_gears,
     figures,
     robots_of_strangers,
     numbers_of_yaml,

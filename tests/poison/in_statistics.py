@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from tests.poison.variant import Sheet, Spoil, Variant, in_tables
+from tests.poison.variant import Answer, Sheet, Spoil, Variant, in_tables
 
 AT_REST = 50  # rows; shorter runs are readings at rest
 
@@ -52,4 +52,24 @@ def angles_of_another_movement(rng: np.random.Generator) -> Iterator[Variant]:
         )
 
 
-FAMILIES = (drives_that_did_something_else, angles_of_another_movement)
+def copies_of_other_instruments(rng: np.random.Generator) -> Iterator[Variant]:
+    """Write one column over another of another instrument, to the last digit."""
+    copies: tuple[tuple[str, str, Answer], ...] = (
+        ("load_z_n", "force_z_n", "doubt"),
+        ("reflector_1_x_m", "reflector_1_y_m", "doubt"),
+        ("gear_temperature_1_k", "gear_temperature_2_k", "harmless"),
+        ("motor_temperature_1_k", "gear_temperature_1_k", "harmless"),
+        ("ambient_temperature_k", "gear_temperature_1_k", "harmless"),
+    )
+    for source, column, answer in copies:
+
+        def copied(sheet: Sheet, source: str = source, column: str = column) -> None:
+            if {source, column} <= set(sheet.names):
+                own = np.array([float(row[sheet.names.index(source)]) for row in sheet.rows])
+                sheet.change(column, lambda values: own)
+
+        words = ("is a copy of", source, column)
+        yield Variant("copies of other instruments", f"{column} of {source}", in_tables(copied), answer, words)
+
+
+FAMILIES = (drives_that_did_something_else, angles_of_another_movement, copies_of_other_instruments)

@@ -47,6 +47,24 @@ def test_leftovers_of_the_dead_are_removed_by_the_next_run(tmp_path: Path) -> No
     assert [entry.name for entry in tmp_path.iterdir()] == ["another"]
 
 
+RUNS_OUT = """
+    (partial / "deep" / "er").mkdir(parents=True)
+    (partial / "deep" / "er" / "file").touch()
+    (partial / "link").symlink_to("deep")
+    import resource
+    resource.setrlimit(resource.RLIMIT_NOFILE, (16, 16))
+    every = []
+    while True:
+        every.append(os.open(os.devnull, os.O_RDONLY))
+"""
+
+
+def test_nothing_is_left_where_no_more_files_may_be_open(tmp_path: Path) -> None:
+    with filling(tmp_path / "out", RUNS_OUT) as dies:
+        assert dies.wait() == 1
+    assert not list(tmp_path.iterdir())
+
+
 def test_folders_of_the_living_are_not_touched(tmp_path: Path) -> None:
     with filling(tmp_path / "out", WAITS) as lives:
         assert lives.stdout

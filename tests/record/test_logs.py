@@ -15,6 +15,7 @@ from bench.errors import CampaignError, InputError
 from bench.record.convert import convert
 from bench.record.log_format import LogFormat, read_log_format
 from bench.record.logs.dialect import Dialect, guess_dialect, read_log_table
+from bench.report.log_look.look import look
 from tests.record.test_convert import log
 
 JOINTS = 3
@@ -264,11 +265,33 @@ def test_parquet(tmp_path: Path) -> None:
             r"columns\.q_motor_1_rad\.factor: is 0.*one unit of the log",
         ),
         ("columns: {time_s: {from: a, factor: -0.0}}", r"columns\.time_s\.factor: is 0"),
+        ("columns: {time_s: {from: a}, current_1_a: }", r"line 1: columns\.current_1_a has no value"),
+        ("columns: {time_s: {from: !x a}}", "line 1: 'a' is no !x that is read"),
     ],
 )
 def test_a_format_that_cannot_be_is_told(tmp_path: Path, text: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
         read_log_format(log(tmp_path, "log.yaml", text))
+
+
+@pytest.mark.parametrize(
+    ("cells", "said"),
+    [
+        (
+            ("01.02.2024 00:00:00.{k:03d}", "{k}.5", "2.5"),
+            "column 't', row 1: '01.02.2024 00:00:00.000' .*write seconds",
+        ),
+        (("{k}", "1.{k:03d},5", "3"), "column 'q', row 1: '1.000,5' is no number; .*without marks between thousands"),
+        (("{k}", "on", "3"), "column 'q', row 1: 'on' is no number"),
+    ],
+)
+def test_a_cell_that_is_no_number_is_named_and_not_the_separator(
+    tmp_path: Path, cells: tuple[str, ...], said: str
+) -> None:
+    rows = "".join(";".join(cells).format(k=k) + "\n" for k in range(40))
+    with pytest.raises(CampaignError, match=said) as raised:
+        look(log(tmp_path, "a.csv", "t;q;i\n" + rows))
+    assert "separated" not in str(raised.value)
 
 
 def test_plain_text_is_a_log_where_a_folder_has_no_others(tmp_path: Path) -> None:

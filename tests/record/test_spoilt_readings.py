@@ -41,6 +41,18 @@ def test_a_repeat_far_from_the_others_is_told(column: str, value: float) -> None
     assert (finding.level, finding.column, finding.row) == ("warning", column, 41)
 
 
+@pytest.mark.parametrize(
+    ("rows", "guesses"),
+    [([400, ROW], (True, False)), (slice(400, 420), (True, True)), (slice(0, 1900), (False, True))],
+)
+def test_a_few_angles_beyond_all_joints_are_lost_and_most_of_them_degrees(
+    rows: slice | list[int], guesses: tuple[bool, bool]
+) -> None:
+    finding = only(spoilt("q_motor_2_rad", 100.0, rows))
+    assert finding.level == "error"
+    assert ("lost or spoilt?" in finding.remedy, "degrees?" in finding.remedy) == guesses
+
+
 @pytest.mark.parametrize("freedom", [4.0, np.inf])
 def test_tails_of_noise_are_no_spoilt_repeats(freedom: float) -> None:
     rng = np.random.default_rng(5)

@@ -32,6 +32,7 @@ from bench.errors import ConvergenceError
 from bench.record.campaign import Campaign
 from bench.record.carried import with_payloads
 from bench.record.finding import Finding
+from bench.record.rules.clock import is_unsteady
 from bench.robot.compiled import CompiledRobot
 from bench.store.store import Store
 
@@ -83,9 +84,14 @@ def hints_of(
             found += scaled or weights_that_drives_doubt(campaign, compiled)  # currents of a wrong scale say nothing
             alone = (DriveDelay if compiled.n_joints == 1 else ChannelDelay).name
             found += _late(late_drives(replay, picture, at_rest), LATEST_DRIVE_S, alone)
-            found += unlike_other_runs(picture, paid, at_rest)
+            unsteady = [repr(run) for run in _unsteady(campaign)]  # tell no acceleration, and that was said of them
+
+            def is_new(hint: Finding) -> bool:
+                return not any(run in hint.message for run in unsteady)
+
+            found += filter(is_new, unlike_other_runs(picture, paid, at_rest))
             told = {hint.column for hint in found}
-            found += [hint for hint in unexplained(picture, paid) if hint.column not in told]
+            found += [hint for hint in unexplained(picture, paid) if hint.column not in told and is_new(hint)]
         if seen := readings_of(segments, every, others):
             replay = Replay(compiled, seen, others)
             both = (*late_reflectors(replay), *late_gauges(replay))
@@ -97,8 +103,14 @@ def hints_of(
     return tuple(found)
 
 
+def _unsteady(campaign: Campaign) -> list[str]:
+    """Return motions whose clock was found not to tell when each row was read."""
+    return [run.name for run in campaign.of_kind("motion") if is_unsteady(run.columns["time_s"])]
+
+
 def _suspected(campaign: Campaign, found: Sequence[Finding]) -> Iterator[str]:
     """Yield runs of which something was said, or whose loads or forces were found to disagree."""
+    yield from _unsteady(campaign)
     for run in campaign.runs:
         of_loads = {Path(hint.file).stem for hint in found if hint.column.startswith(("load_", "force_", "moment_"))}
         if run.name in of_loads or any(repr(run.name) in hint.message for hint in found):

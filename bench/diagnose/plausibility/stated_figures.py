@@ -2,11 +2,14 @@
 
 from collections.abc import Iterator
 
-from bench.effects.places import torque_limit
+import numpy as np
+
+from bench.effects.places import most_acceleration, torque_limit
 from bench.record.finding import Finding
 from bench.record.rules.alignment import SEARCH_S
 from bench.record.rules.sheet import TRAVEL
 from bench.robot.compiled import CompiledRobot
+from bench.robot.plausible import OF_ROTORS
 
 WHOLE = 1.0  # exact: 100 %; a mass, level or gain that is off by itself may as well be left out
 OF_THE_WHOLE = ("mass", "friction", "gas_constant", "load")  # what else is relative is known to a factor of several
@@ -20,6 +23,13 @@ def remarks_on(compiled: CompiledRobot) -> Iterator[Finding]:
     """
     for key, message, remedy in (*_uncertainties(compiled), *_instruments(compiled)):
         yield Finding("warning", f"{compiled.robot.folder.name}/figures.yaml", None, key, message, remedy)
+    for j, drive in enumerate(compiled.robot.figures.drives):
+        acceleration = most_acceleration(compiled, j)
+        if np.isfinite(acceleration) and acceleration > OF_ROTORS.most:
+            message = (
+                f"{OF_ROTORS.what} is {acceleration:.2g} {OF_ROTORS.unit}; in a robot it is {OF_ROTORS.most:g} at most"
+            )
+            yield Finding("warning", compiled.robot.mjcf.name, None, drive.joint, message, OF_ROTORS.remedy)
 
 
 def _uncertainties(compiled: CompiledRobot) -> Iterator[tuple[str, str, str]]:

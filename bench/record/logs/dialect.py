@@ -1,7 +1,7 @@
 """How a log is written as text: separator, decimal sign, header, lines before it; stated in `log.yaml`, or guessed."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal, Self
@@ -100,6 +100,35 @@ def guess_dialect(data: bytes) -> Dialect | None:
                 dialect = Dialect(separator=name, decimal=decimal, header=header, skip_lines=skipped, units_line=units)
                 best = (count, decimal == "."), dialect
     return best[1] if best else None
+
+
+def cells_that_are_no_numbers(data: bytes) -> Iterator[tuple[str, int, str]]:
+    """Yield of each column that keeps a log from being read its name, the first such row, from 1, and that cell.
+
+    Nothing is said of a text whose separator cannot be told either: its lines have no equal number of cells, of which
+    some are numbers.
+    """
+    lines = [line for line in _lines(data)[:MOST_BEFORE] if line.strip()]
+    best: tuple[tuple[int, int], list[list[str]]] | None = None
+    for separator in SEPARATORS.values():
+        parted = [_cells(line, separator) for line in lines]
+        counts = [len(cells) for cells in parted]
+        count = max(set(counts), key=counts.count, default=0)
+        table = [cells for cells in parted if len(cells) == count]
+        is_even = 2 * len(table) > len(lines) and any(_is_any_number(cell) for cell in table[-1])
+        if is_even and count > 1 and (best is None or (len(table), count) > best[0]):
+            best = (len(table), count), table  # a separator parts the header, too
+    if best is None:
+        return
+    header = not any(_is_any_number(cell) for cell in best[1][0])
+    for place, (name, *cells) in enumerate(zip(*best[1], strict=True)):
+        rows = cells if header else [name, *cells]
+        if bad := next((row for row, cell in enumerate(rows, 1) if cell and not _is_any_number(cell)), None):
+            yield name if header else str(place + 1), bad, rows[bad - 1]
+
+
+def _is_any_number(cell: str) -> bool:
+    return _NUMBER.fullmatch(cell) is not None
 
 
 def _above(lines: Sequence[str], separator: str, count: int) -> tuple[bool, bool]:

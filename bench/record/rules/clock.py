@@ -10,6 +10,7 @@ from bench.record.moving import FEWEST_ROWS
 from bench.record.rules.sheet import Sheet, rows_where
 
 UNEVEN = 0.5  # of the median step; jitter of an ordinary logger stays below, a lost sample makes 1
+JITTER = 0.05  # of a step, from which the first pass cuts a run (`identify/dynamics/samples.py`)
 LATE_S = 60.0  # a run may begin with settling; a clock that counts from when the controller was switched on is later
 SHORTEST_STEP_S = 1e-5  # [s]; current loops run at 10 to 40 kHz, and no log of a robot has a row for less
 UNITS = (("milliseconds", 1e-3), ("microseconds", 1e-6), ("nanoseconds", 1e-9))  # [s]
@@ -66,6 +67,21 @@ def out_of_order(time: Array) -> tuple[list[int], list[int]]:
         else:
             back.append(row)
     return ahead, back
+
+
+def is_unsteady(time: Array) -> bool:
+    """Whether a clock has uneven steps, and so are most of the others, a little: it is none of the readings' times.
+
+    Where samples are lost, all other steps are even.
+
+    Args:
+        time: Shape (rows,) [s], rising.
+    """
+    step = np.diff(time)
+    if len(step) < FEWEST:
+        return False
+    off = np.abs(step / np.median(step) - 1)
+    return bool(np.max(off) > UNEVEN and np.median(off) > JITTER)
 
 
 def counts_by_one(time: Array) -> bool:
@@ -141,7 +157,8 @@ def is_regular(sheet: Sheet) -> Iterator[Finding]:
     if rows_of_a_packet(time):
         return
     if uneven := rows_where(np.append(False, np.abs(step - median) > UNEVEN * median)):
-        yield sheet.warning("time_s", f"is not {median:g} s after the row before", "look for lost samples", uneven)
+        remedy = "times of arrival? give those of reading" if is_unsteady(time) else "look for lost samples"
+        yield sheet.warning("time_s", f"is not {median:g} s after the row before", remedy, uneven)
     for column, values in sheet.columns("q_cmd", "q_motor") if median >= SLOW_STEP_S else ():
         fastest = np.max(np.abs(np.diff(values)) / step)
         if sheet.moves(column.name) and fastest < SLOWEST[column.unit]:

@@ -1,6 +1,7 @@
 """Values that are only possible in another unit than the one in the column's name."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from math import inf, pi
 
 import numpy as np
@@ -29,6 +30,7 @@ MAX_FORCE = 1e6  # [N], [Nm]; the strongest arms carry 2.3 t, 4 m out
 
 DEGREE = pi / 180
 ROUNDED = 1e-3  # of a factor for degrees that somebody rounded
+SPOILT = "lost or spoilt? leave such rows out"
 FAR = 1.5  # times the joint's own limit; model limits and soft limits differ by less
 BESIDE = {"rad": 0.02, "m": 0.005}  # what zero offsets and end stops explain
 
@@ -48,6 +50,8 @@ def angles(sheet: Sheet) -> Iterator[Finding]:
                 is_alone = turns and _others_fit(sheet, column)
                 guess = "" if is_alone else _what_an_angle_may_be(sheet, column, float(np.max(np.abs(values))), bound)
                 guess = "; ".join(filter(None, (_of_turns(turns), guess)))
+                if 2 * len(rows) < len(values):  # the unit of a channel is that of most of its rows
+                    guess = SPOILT if _are_single(rows) else f"{SPOILT}; {guess}"
             message = f"{values[rows[0] - 1]:g} {column.unit} is no position of this joint"
             yield sheet.error(column.name, message, guess, rows)
         elif rows := sheet.rows_outside(column.name, lower - beside, upper + beside):
@@ -55,6 +59,11 @@ def angles(sheet: Sheet) -> Iterator[Finding]:
             turns = 0 if column.is_slide else _turns(sheet, column, values)
             remedy = "look at zero position, sign and order of the joints"
             yield sheet.doubt(column.name, message, "; ".join(filter(None, (_of_turns(turns), remedy))), rows)
+
+
+def _are_single(rows: Sequence[int]) -> bool:
+    """Whether no two rows, in rising order, are neighbours."""
+    return all(after - before > 1 for before, after in pairwise(rows))
 
 
 def _turns(sheet: Sheet, column: Column, values: Array) -> int:

@@ -10,6 +10,7 @@ from bench.record.campaign import Array
 from bench.record.finding import Finding
 from bench.record.rules.approach import approach_is_felt
 from bench.record.rules.clock import counts_by_one
+from bench.record.rules.copies import read_for_themselves
 from bench.record.rules.out_of_line import places_in_line
 from bench.record.rules.repeated_runs import no_run_twice
 from bench.record.rules.sheet import TRAVEL, Sheet
@@ -29,6 +30,7 @@ def examine_session(sheets: Sequence[Sheet]) -> list[Finding]:
         *no_overlap(sheets),
         *no_row_numbers(sheets),
         *no_run_twice(sheets),
+        *read_for_themselves(sheets),
         *approach_is_felt(sheets),
         *weights_are_masses(sheets),
         *one_pose_everywhere(sheets),

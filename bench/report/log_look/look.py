@@ -8,22 +8,22 @@ import numpy as np
 
 from bench.errors import CampaignError
 from bench.record.campaign import Array
+from bench.record.csv_table import in_place_of
 from bench.record.limits import TABLE_BYTES
-from bench.record.logs.dialect import PLAIN, Dialect, guess_dialect, read_log_table
+from bench.record.logs.dialect import PLAIN, Dialect, cells_that_are_no_numbers, guess_dialect, read_log_table
 from bench.record.logs.mcap_table import MCAP, read_topic
 from bench.record.look.families import Family, span
 from bench.record.look.names import clocks, families_by_name, unit_of
 from bench.record.look.rests import rest_columns
 from bench.record.look.values import clock_factor, clock_of, families_by_value, moving, readable, without_holes
 from bench.record.plain_file import FileFault, read_plain
+from bench.record.rules.clock import JITTER
 from bench.record.table import Table
 from bench.report.log_look.drives import drives, readings_of
 from bench.report.log_look.gears import geared
 from bench.report.log_look.lines import QUANTITY, Line, positions, temperatures
 from bench.report.log_look.trial import refusals
 from bench.robot.nominal_dynamics import NominalDynamics
-
-JITTER = 0.05  # of a step, from which the first pass cuts a run (`identify/dynamics/samples.py`)
 
 
 @dataclass(frozen=True)
@@ -113,9 +113,17 @@ def _opened(file: Path, topic: str) -> tuple[Table, Dialect]:
         table = read_log_table(file, PLAIN)
     else:
         try:
-            dialect = guess_dialect(read_plain(file, TABLE_BYTES)) or PLAIN
+            data = read_plain(file, TABLE_BYTES)
+            guess = guess_dialect(data)
+            faults = [] if guess else list(cells_that_are_no_numbers(data))
         except FileFault as fault:
             raise CampaignError(f"{file}: {fault}; {fault.remedy}") from fault
+        if faults:
+            raise CampaignError(
+                f"{file.name}: column {name!r}, row {row}: {cell[:40]!r} is no number; {in_place_of(cell)}"
+                for name, row, cell in faults
+            )
+        dialect = guess or PLAIN
         table = read_log_table(file, dialect)
     if not table.columns:
         raise CampaignError([str(finding) for finding in table.findings] or f"{file}: holds no column of numbers")
