@@ -9,10 +9,14 @@ from bench.diagnose.plausibility.known_temperature import known_temperatures
 from bench.diagnose.plausibility.stated_noise import noise_as_stated
 from bench.record.campaign import Campaign
 from bench.record.known import Known
+from bench.robot.folder import load_robot
 from tests.diagnose.test_one_more_number import session
 
 RIGHT = {"current": 0.03, "reflector": 30e-6, "force": 0.5, "moment": 0.3}
 LOGGED_K = 300.0
+
+
+ROBOT = load_robot("hh150")
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +27,7 @@ def campaign() -> Campaign:
 @pytest.mark.parametrize("quantity", RIGHT)
 @pytest.mark.parametrize(("factor", "words"), [(1e3, "times as much as"), (1e-3, "times less than")])
 def test_noise_in_another_unit_is_told(campaign: Campaign, quantity: str, factor: float, words: str) -> None:
-    (said,) = map(str, noise_as_stated(replace(campaign, noise=RIGHT | {quantity: factor * RIGHT[quantity]})))
+    (said,) = map(str, noise_as_stated(replace(campaign, noise=RIGHT | {quantity: factor * RIGHT[quantity]}), ROBOT))
     assert f"noise.{quantity}" in said
     assert words in said
 
@@ -31,11 +35,11 @@ def test_noise_in_another_unit_is_told(campaign: Campaign, quantity: str, factor
 @pytest.mark.parametrize("factor", [0.1, 1.0, 10.0])
 def test_noise_that_is_stated_with_care_or_without_is_believed(campaign: Campaign, factor: float) -> None:
     stated = {quantity: factor * sigma for quantity, sigma in RIGHT.items()}
-    assert not [*noise_as_stated(replace(campaign, noise=stated))]
+    assert not [*noise_as_stated(replace(campaign, noise=stated), ROBOT)]
 
 
 def test_noise_of_what_was_not_read_is_not_judged(campaign: Campaign) -> None:
-    assert not [*noise_as_stated(replace(campaign, noise={"tau_motor": 1e4, "gas_pressure": 1e4}))]
+    assert not [*noise_as_stated(replace(campaign, noise={"tau_motor": 1e4, "gas_pressure": 1e4}), ROBOT)]
 
 
 def thermometer(campaign: Campaign, value: float, sigma: float = 1.0, warms: float = 2.0) -> list[str]:

@@ -19,9 +19,7 @@ RUBS = ("coulomb", "viscous", "viscous_difference", "rolling", "load")
 RATE = 0.01  # declared: of recordings in which nothing goes on, as of a diagnosis; five runs have 120 orders
 FASTER = 0.05  # declared: of recordings whose motions have no order by speed, either way, for which nothing is told
 ORDERS = 5040  # effort: all of seven runs; of more runs as many at random
-MOST = (
-    0.5  # of the mean square that is left of some drive, explained: what is less is not what is missing here (declared)
-)
+MOST = 0.5  # declared: of the mean square left of some drive, explained; what is less is not what is missing here
 
 
 @dataclass(frozen=True)
