@@ -16,10 +16,10 @@ from scipy import signal
 
 from bench.errors import InputError
 from bench.identify.arm import Arm
+from bench.record.rules.clock import JITTER
 
 Array = NDArray[np.float64]
 
-UNEVEN = 0.05  # of the median step; time stamps may round, a lost sample may not pass for one
 EDGE = 2  # thinned samples at either end that are left out: the filters see past the record there
 
 
@@ -87,7 +87,7 @@ def smooth_motion(time: Array, position: Array, filtering: Filtering) -> SmoothM
         InputError: Time is not even, the record is too short, or the cut-off lies beyond half the sampling rate.
     """
     step = np.diff(time)
-    if len(step) < 6 * filtering.order or np.ptp(step) > UNEVEN * np.median(step):
+    if len(step) < 6 * filtering.order or np.ptp(step) > JITTER * np.median(step):
         raise InputError(f"motion of {len(time)} samples: needs more of them, evenly spaced; look for lost samples.")
     rate = 1 / float(np.mean(step))
     if not filtering.cutoff_hz < rate / 2:

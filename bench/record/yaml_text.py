@@ -27,6 +27,7 @@ BOOL, INT, FLOAT, STR, TIMESTAMP = (f"{TAG}{name}" for name in ("bool", "int", "
 SEQ, MAP, NULL = (f"{TAG}{name}" for name in ("seq", "map", "null"))
 PLAIN_TYPES = {yaml.ScalarNode: (STR, BOOL, INT, FLOAT, TIMESTAMP, NULL), yaml.SequenceNode: (SEQ,)}
 DECIMAL = re.compile(r"[-+]?((0|[1-9]\d*)|(\d+\.\d*|\.\d+)([eE][-+]?\d+)?|\.(inf|Inf|INF))|\.(nan|NaN|NAN)", re.ASCII)
+_TYPES = yaml.resolver.Resolver()
 _PARTED = re.compile(r"[-+]?\d[\d_]*_[\d_]*(\.[\d_]*)?([eE][-+]?[\d_]+)?", re.ASCII)  # pydantic reads 1_0e1 as 100
 _LED_BY_ZERO = re.compile(r"[-+]?0\d", re.ASCII)
 
@@ -109,12 +110,20 @@ def _parts(node: yaml.Node | None) -> list[yaml.Node]:
     return list(node.value) if isinstance(node, yaml.SequenceNode) else []
 
 
+def _is_of_its_tag(node: yaml.Node) -> bool:
+    """Whether a scalar before which its type is written, as in !!int 5, is one; without it, it has that of its form."""
+    if node.tag not in (BOOL, INT, FLOAT, TIMESTAMP, NULL):
+        return True
+    plain = _TYPES.resolve(yaml.ScalarNode, node.value, (True, False))  # type: ignore[no-untyped-call]
+    return bool(plain == node.tag) or (node.tag, plain) == (FLOAT, INT)
+
+
 class _Loader(_Guarded, yaml.BaseLoader):
     listing: Collection[str] = ()  # keys whose mappings have names of the user's own
 
     def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
         node = super().compose_node(parent, index)
-        if node is not None and not self._is_of_its_tag(node):
+        if node is not None and not (node.tag in PLAIN_TYPES.get(type(node), (MAP,)) and _is_of_its_tag(node)):
             value = f"{node.value!r} is no" if isinstance(node, yaml.ScalarNode) else "a list of values is no"
             problem = f"{value} {node.tag.replace(TAG, '!!')} that is read"
             raise _RefusedError(problem, "write the value alone, without a type before it", node.start_mark)
@@ -125,22 +134,10 @@ class _Loader(_Guarded, yaml.BaseLoader):
                     raise _RefusedError(f"{index.value}.{name.value} has no value", remedy, name.start_mark)
         return node
 
-    def _is_of_its_tag(self, node: yaml.Node) -> bool:
-        """Whether a value may have the type that is written before it; without one it has that of its form."""
-        if node.tag not in PLAIN_TYPES.get(type(node), (MAP,)):
-            return False
-        if node.tag in (STR, SEQ, MAP):
-            return True
-        plain = _TYPES.resolve(yaml.ScalarNode, node.value, (True, False))  # type: ignore[no-untyped-call]
-        return bool(plain == node.tag)
-
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         node.value = [(key, value) for key, value in node.value if not _is_null(value)]
         mapping: dict[Any, Any] = super().construct_mapping(node, deep)
         return mapping
-
-
-_TYPES = yaml.resolver.Resolver()
 
 
 class _TypedLoader(_Guarded, yaml.SafeLoader):
@@ -156,7 +153,7 @@ class _TypedLoader(_Guarded, yaml.SafeLoader):
         if len(node.value) > LONGEST_NUMBER and node.tag != STR:
             problem = f"{node.value[:20]!r}... is no number of up to {LONGEST_NUMBER} characters"
             raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark)
-        if not self._is_of_its_tag(node):
+        if not _is_of_its_tag(node):
             problem = f"{node.value!r} is no !!{node.tag.removeprefix(TAG)}"
             raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark)
         is_number = node.style is None and (node.tag in (INT, FLOAT) or _PARTED.fullmatch(node.value))
@@ -164,13 +161,6 @@ class _TypedLoader(_Guarded, yaml.SafeLoader):
             remedy = "write a number in decimal digits without 0 in front or _ between them, and a name in quotes"
             raise _RefusedError(f"{node.value!r} is no decimal number", remedy, node.start_mark)
         return node
-
-    def _is_of_its_tag(self, node: yaml.ScalarNode) -> bool:
-        """Whether a scalar whose type is written before it, as in !!int 5, is one; PyYAML stumbles over others."""
-        if node.tag == BOOL:
-            return node.value.lower() in self.bool_values
-        plain = self.resolve(yaml.ScalarNode, node.value, (True, False))  # type: ignore[no-untyped-call]
-        return node.tag not in (INT, FLOAT, TIMESTAMP) or plain == node.tag or (node.tag, plain) == (FLOAT, INT)
 
 
 class _Dumper(yaml.SafeDumper):

@@ -8,9 +8,9 @@ import numpy as np
 from bench.errors import InputError
 from bench.record.campaign import Array, Campaign, Run
 from bench.record.carried import load_with_weight, with_payloads
+from bench.record.rules.clock import JITTER
 from bench.robot.nominal_dynamics import NominalDynamics
 
-UNEVEN = 0.05  # declared: of the median step; time stamps may round, a lost sample may not pass for one
 FEWEST = 60  # declared: samples of a stretch without gaps; below that, filters see little but its ends
 # effort: samples of a stretch; its equations of six axes take 72 MB, and as much again while they are filtered
 LONGEST = 25_000
@@ -77,7 +77,7 @@ def _stretches(run: Run, nominal: NominalDynamics) -> Iterator[MotionSamples]:
     wrench, mass = load_with_weight(run), run.columns.get("load_mass_kg", np.zeros(len(run)))
     step = np.diff(time)
     median = float(np.median(step))
-    cuts = np.flatnonzero(np.abs(step - median) > UNEVEN * median) + 1
+    cuts = np.flatnonzero(np.abs(step - median) > JITTER * median) + 1
     whole = (rows for rows in np.split(np.arange(len(time)), cuts) if len(rows) >= FEWEST)
     for rows in (part for piece in whole for part in np.array_split(piece, -(-len(piece) // LONGEST))):
         yield MotionSamples(

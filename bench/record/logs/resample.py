@@ -13,9 +13,8 @@ from bench.record.strict import Strict
 ORDER = 4  # of the Butterworth low-pass; forth and back it is of order 8 and delays nothing
 SHARE = 0.4  # of the new rate, where the low-pass has lost half of the amplitude; half of the rate is Nyquist's limit
 LOST = 3.0  # steps of the log: a longer pause is not bridged (assumed: jitter of a logger stays below one step)
-FASTER = (
-    1.2  # times as many readings as are wanted, from which a low-pass comes first; so many rows, a warning; assumed
-)
+# assumed: times as many readings as are wanted, from which a low-pass comes first; so many rows too many, a warning
+FASTER = 1.2
 Fill = Literal["hold", "line"]
 
 

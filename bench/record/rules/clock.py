@@ -10,7 +10,7 @@ from bench.record.moving import FEWEST_ROWS
 from bench.record.rules.sheet import Sheet, rows_where
 
 UNEVEN = 0.5  # of the median step; jitter of an ordinary logger stays below, a lost sample makes 1
-JITTER = 0.05  # of a step, from which the first pass cuts a run (`identify/dynamics/samples.py`)
+JITTER = 0.05  # declared: of the median step; time stamps may round, a lost sample may not pass for one
 LATE_S = 60.0  # a run may begin with settling; a clock that counts from when the controller was switched on is later
 SHORTEST_STEP_S = 1e-5  # [s]; current loops run at 10 to 40 kHz, and no log of a robot has a row for less
 UNITS = (("milliseconds", 1e-3), ("microseconds", 1e-6), ("nanoseconds", 1e-9))  # [s]

@@ -72,9 +72,7 @@ def _alike_in_a_run(sheets: Sequence[Sheet]) -> set[tuple[Column, Column]]:
                 alike[low, high, float(values[0]), float(values[-1])].append(column)
         for group in alike.values():
             for first, copy in combinations(sorted(group, key=_order), 2):
-                of_drives = {first.channel.quantity, copy.channel.quantity} <= set(
-                    EFFORT
-                )  # one may be made of the other
+                of_drives = {first.channel.quantity, copy.channel.quantity} <= set(EFFORT)  # one is made of the other
                 values, others = (sheet.run.columns[column.name] for column in (first, copy))
                 if copy.channel.role == "measured" and not of_drives and np.array_equal(values, others):
                     pairs.add((first, copy))

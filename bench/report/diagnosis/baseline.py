@@ -7,7 +7,6 @@ import numpy as np
 from bench.diagnose.baseline.changed_friction import ChangedFriction
 from bench.diagnose.baseline.first_look import FirstLook
 from bench.diagnose.verdict import DriveErrors, Verdict
-from bench.identify.dynamics.warming import warming_of
 from bench.report.diagnosis.names import capital, listed
 from bench.report.diagnosis.numbers import percent
 from bench.report.dynamics import words
@@ -54,7 +53,6 @@ def first_lines(look: FirstLook) -> Iterator[str]:
             f"Plain least squares, which has no prior, errs by more than the torque itself on {drives}: what is left "
             "out moves in a way that the other runs do not show."
         )
-    yield from warming_notes(warming_of(found))
 
 
 def changed_lines(found: Iterable[ChangedFriction]) -> Iterator[str]:
