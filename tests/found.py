@@ -8,7 +8,7 @@ from bench.diagnose.cross_validation.figures import fitted_figures
 from bench.diagnose.cross_validation.posterior import posterior_of
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause
-from bench.diagnose.linearise.linearised_model import linearised_model_of
+from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay

@@ -11,7 +11,8 @@ from bench.diagnose.explain import measured_by, recorded_by
 from bench.diagnose.extend.fit import Fit, Key
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause, causes_of
-from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.linearise.signatures import Signatures
 from bench.diagnose.name.beginning import what_is_left_out
 from bench.diagnose.name.models import Model

@@ -12,8 +12,8 @@ from bench.compare.noise import Repeatability, repeatability_of
 from bench.compare.shared import SharedWhitening, shared_whitening, undo_segments
 from bench.diagnose.linearise.candidates import Candidate
 from bench.diagnose.linearise.generic import Block
-from bench.diagnose.linearise.linearised_model import raised, with_scatter
 from bench.diagnose.linearise.marginal import Nuisances
+from bench.diagnose.linearise.other_noise import raised, with_scatter
 from bench.diagnose.linearise.screening import Entry, Tried, tried_of
 from bench.errors import InputError
 from bench.record.campaign import Array

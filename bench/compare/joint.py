@@ -13,7 +13,9 @@ from bench.diagnose.explain import measured_by
 from bench.diagnose.linearise.candidates import Candidate, Cause, candidates_of, causes_of, plan_of
 from bench.diagnose.linearise.changes import Digits
 from bench.diagnose.linearise.generic import Block, blocks_of
-from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of, with_scatter
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.nominal_model import linearised_model_of
+from bench.diagnose.linearise.other_noise import with_scatter
 from bench.diagnose.linearise.signatures import Sensitivities, Signatures
 from bench.diagnose.replay.instants import at_each_instant
 from bench.diagnose.replay.nuisances import Nuisance, nuisances_of

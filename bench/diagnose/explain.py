@@ -15,7 +15,8 @@ from bench.diagnose.cross_validation.leave_out import REACH
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import as_far_as_told
-from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.linearise.signatures import Signatures
 from bench.diagnose.name.beginning import told_by
 from bench.diagnose.name.beside_unlisted import beside_unlisted

@@ -14,7 +14,8 @@ from bench.diagnose.cross_validation.figures import FittedFigure, fitted_figures
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit, refitted
 from bench.diagnose.linearise.lack_of_fit import are_settled, factors_of
-from bench.diagnose.linearise.linearised_model import LinearisedModel, raised
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.other_noise import raised
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.world import World
 from bench.effects.drifts import COULOMB, DAY_K

@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from bench.diagnose.cross_validation.floor import floor_variance, measured
 from bench.diagnose.cross_validation.next_recording import predicted_error
 from bench.diagnose.diagnose import Diagnosis
-from bench.diagnose.linearise.linearised_model import linearised_model_of
+from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.replay.levels import as_of
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.replay import Replay

@@ -8,7 +8,8 @@ import pytest
 
 from bench.diagnose.diagnose import signatures_of
 from bench.diagnose.linearise.first_order import FirstOrder
-from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.linearise.signatures import Signatures
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of

@@ -11,7 +11,8 @@ from bench.diagnose.cross_validation.posterior import posterior_of
 from bench.diagnose.diagnose import diagnose
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause, causes_of
-from bench.diagnose.linearise.linearised_model import LinearisedModel, fit, linearised_model_of
+from bench.diagnose.linearise.linearised_model import LinearisedModel, fit
+from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.replay.given import EARLIER, Posterior, given_by, with_earlier
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of

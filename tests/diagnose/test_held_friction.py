@@ -8,7 +8,9 @@ import pytest
 
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.held_friction import came_back, levels_of
-from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of, with_friction_of
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.nominal_model import linearised_model_of
+from bench.diagnose.linearise.other_noise import with_friction_of
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay

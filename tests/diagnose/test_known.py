@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from bench.diagnose.diagnose import diagnose
-from bench.diagnose.linearise.linearised_model import LinearisedModel, fit, linearised_model_of
+from bench.diagnose.linearise.linearised_model import LinearisedModel, fit
+from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.replay.known import carried_mass, known_quantities, with_known_payload, with_known_segments
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.diagnose.linearise.linearised_model import LinearisedModel, with_places, with_play, with_scatter
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.loose_places import most_placed
 from bench.diagnose.linearise.noise_covariance import measured_in, of_links
+from bench.diagnose.linearise.other_noise import with_places, with_play, with_scatter
 from bench.diagnose.linearise.rattling import PLACED
 from bench.record.campaign import Array
 from tests.diagnose.small_models import linear_of

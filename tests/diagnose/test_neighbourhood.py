@@ -8,7 +8,7 @@ from bench.diagnose.extend.objective import Objective
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import causes_of
 from bench.diagnose.linearise.lack_of_fit import missed
-from bench.diagnose.linearise.linearised_model import linearised_model_of
+from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.linearise.signatures import Signatures
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.neighbourhood import Neighbourhood

@@ -8,8 +8,9 @@ import pytest
 from bench.diagnose.diagnose import diagnose
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause
-from bench.diagnose.linearise.linearised_model import LinearisedModel, with_play
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.noise_covariance import STIRS
+from bench.diagnose.linearise.other_noise import with_play
 from bench.diagnose.linearise.rattling import PLACED
 from bench.diagnose.name.models import log_of_priors
 from bench.diagnose.replay.crossing import Gears, crossing_of

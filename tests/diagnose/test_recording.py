@@ -10,7 +10,7 @@ import pytest
 from bench.diagnose.diagnose import signatures_of
 from bench.diagnose.explain import measured_by, recorded_by
 from bench.diagnose.linearise.first_order import FirstOrder
-from bench.diagnose.linearise.linearised_model import linearised_model_of
+from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.name.neighbourhood import Neighbourhood
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of

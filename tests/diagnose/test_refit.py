@@ -13,7 +13,9 @@ from bench.diagnose.extend.objective import Derivatives, Objective, State
 from bench.diagnose.extend.refit import refit, refitted
 from bench.diagnose.extend.steps import broyden
 from bench.diagnose.linearise.candidates import Cause
-from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of, raised, relinearised
+from bench.diagnose.linearise.linearised_model import LinearisedModel, relinearised
+from bench.diagnose.linearise.nominal_model import linearised_model_of
+from bench.diagnose.linearise.other_noise import raised
 from bench.diagnose.name.models import Model, reweighed
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of

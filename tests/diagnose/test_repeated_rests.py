@@ -9,9 +9,10 @@ from bench.diagnose.cross_validation.floor import floor_variance
 from bench.diagnose.extend.fit import pseudo_residual
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.generic import blocks_of
-from bench.diagnose.linearise.linearised_model import LinearisedModel, with_play, with_scatter
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.marginal import Nuisances
 from bench.diagnose.linearise.noise_covariance import LINK_REST, LINK_VISIT, MOTOR_REST, MOTOR_VISIT
+from bench.diagnose.linearise.other_noise import with_play, with_scatter
 from bench.diagnose.linearise.rattling import PLACED
 from bench.diagnose.linearise.repeated_rests import ANYTHING, SHARES, repeating_share, repeating_visits, whitenings_of
 from bench.diagnose.linearise.threshold import LEAST

@@ -2,7 +2,7 @@
 
 import pytest
 
-from bench.diagnose.linearise.linearised_model import linearised_model_of
+from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay

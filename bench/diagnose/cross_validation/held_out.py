@@ -26,7 +26,8 @@ from bench.diagnose.cross_validation.leave_out import (
     tangent_of,
 )
 from bench.diagnose.extend.fit import Fit
-from bench.diagnose.linearise.linearised_model import LinearisedModel, with_play
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.other_noise import with_play
 from bench.diagnose.replay.instants import recordings_of
 from bench.record.campaign import Array
 

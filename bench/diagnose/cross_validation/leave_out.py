@@ -21,7 +21,8 @@ from bench.diagnose.cross_validation.floor import measured
 from bench.diagnose.cross_validation.folds import Folds
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.objective import bounds_of
-from bench.diagnose.linearise.linearised_model import LinearisedModel, with_play
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.other_noise import with_play
 from bench.record.campaign import Array
 
 REACH = 4.0  # declared: standard deviations by which a figure may be off before it makes another model; one in 16000 is

@@ -10,8 +10,9 @@ from bench.diagnose.extend.fit import Fit, Key, play_of, unknowns_of
 from bench.diagnose.extend.objective import Derivatives, Objective, State, bounds_of
 from bench.diagnose.extend.steps import bounded_step, ever_shorter
 from bench.diagnose.linearise.candidates import Cause
-from bench.diagnose.linearise.linearised_model import LinearisedModel, with_play
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.noise_covariance import scatters_alike
+from bench.diagnose.linearise.other_noise import with_play
 from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Progress, ignore
 from bench.record.campaign import Array

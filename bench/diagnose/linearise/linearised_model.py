@@ -13,21 +13,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.linearise.each_weight import each_weight
-from bench.diagnose.linearise.held_friction import held_friction, levels_of
-from bench.diagnose.linearise.loose_places import most_placed
-from bench.diagnose.linearise.noise_covariance import Scatter, Whitening, scatters_alike
-from bench.diagnose.linearise.repeated_rests import RepeatedRests, repeating_share, whitenings_of
-from bench.diagnose.linearise.roughness import with_roughness
-from bench.diagnose.linearise.standing_joints import shaken_share
-from bench.diagnose.linearise.torque_response import TorqueResponse, torque_response
+from bench.diagnose.linearise.noise_covariance import Scatter, Whitening
+from bench.diagnose.linearise.repeated_rests import RepeatedRests, whitenings_of
+from bench.diagnose.linearise.torque_response import TorqueResponse
 from bench.diagnose.replay.instants import at_each_instant, instants_of
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment
-from bench.diagnose.replay.simulations import simulate_all, sound
-from bench.diagnose.replay.world import NOMINAL, World
 from bench.record.campaign import Array
 
 WHITENED_TOGETHER = 64  # effort: columns at a time, where there are hundreds: memory stays small
@@ -147,59 +140,6 @@ class LinearisedModel:
         return [values[rows] for rows in instants_of(self.segments)]
 
 
-def linearised_model_of(
-    replay: Replay, nuisances: tuple[Nuisance, ...], sensitivities: Array | None = None
-) -> LinearisedModel:
-    """Return the linearised model of a campaign.
-
-    Args:
-        replay: The campaign with the nominal robot.
-        nuisances: What may be a little wrong.
-        sensitivities: Shape (T, c, p), if they are known from a campaign of the same design.
-    """
-    nominal = replay.predict(NOMINAL)
-    if sensitivities is None:
-        worlds = [World({nuisance: nuisance.sigma}) for nuisance in nuisances]
-        sensitivities = np.stack([sound(found) - nominal for found in simulate_all(replay, worlds)], axis=2)
-    residual = replay.observed - nominal
-    traces = replay.traces(NOMINAL)
-    responses = tuple(torque_response(replay.compiled, trace, replay.quantities) for trace in traces)
-    levels = levels_of(replay.compiled)
-    held, held_changes = held_friction(replay, traces, responses, levels)
-    weights, their_changes = each_weight(replay.segments, nuisances, sensitivities)
-    nuisances = (*nuisances, *held, *weights)
-    sensitivities = np.concatenate([sensitivities, held_changes, their_changes], axis=2)
-    parts = [residual[rows] for rows in instants_of(replay.segments)]
-    shaken = shaken_share(replay.compiled, replay.segments, responses, replay.quantities, parts)
-    scatter = Scatter(replay.compiled.play, levels, shaken)
-    plain = _assemble(replay, nuisances, responses, scatter, replay.segments, sensitivities, residual)
-    parts = plain.split(residual - plain.sensitivities @ fit(plain))
-    repeats = repeating_share(replay.compiled, replay.segments, responses, replay.quantities, scatter, parts)
-    plain = with_scatter(plain, replace(scatter, repeats=repeats)) if repeats else plain
-    # What rings after a jerk is left out of the replay: where residuals are rough then, roughness is the noise.
-    rings = [segment.rings for segment in replay.segments]
-    found = roughened(plain, residual - plain.sensitivities @ fit(plain), rings)
-    return with_places(found, found.residual)
-
-
-def with_places(linear: LinearisedModel, left: Array) -> LinearisedModel:
-    """Return the design in which loose links of standing joints lie no farther apart than a residual shows.
-
-    What a model misses otherwise looks like links that lie elsewhere in each run, so this is asked again about a better
-    one; no place is less sure for that. It matters to models with play alone.
-
-    Args:
-        linear: The campaign.
-        left: Shape (T, c), residual of a model.
-    """
-    sound = with_play(linear, linear.replay.compiled.play)
-    known = (linear.replay.compiled, linear.weighed, linear.responses, linear.quantities, sound.whitenings)
-    most = most_placed(*known, sound.jacobian, sound.whiten(left))
-    placed = most if linear.scatter.placed is None else np.minimum(most, linear.scatter.placed)
-    scatter = replace(linear.scatter, placed=placed)
-    return with_scatter(linear, scatter) if np.any(scatter.play > 0) else replace(linear, scatter=scatter)
-
-
 def relinearised(linear: LinearisedModel, which: Sequence[int], sensitivities: Array) -> LinearisedModel:
     """Return the design with other `sensitivities` of some nuisances, as they are about another world.
 
@@ -213,86 +153,13 @@ def relinearised(linear: LinearisedModel, which: Sequence[int], sensitivities: A
     return replace(linear, sensitivities=every, jacobian=jacobian)
 
 
-def raised(linear: LinearisedModel, factors: Array) -> LinearisedModel:
-    """Return the design with larger standard errors.
-
-    Args:
-        linear: The campaign.
-        factors: Shape (2, c), for every quantity at rest and in motion.
-    """
-    if np.all(factors == 1):
-        return linear
-    segments = tuple(
-        replace(segment, sigma=segment.sigma * factors[0 if segment.is_static else 1]) for segment in linear.weighed
-    )
-    return replace(_reassembled(linear, segments, linear.scatter), inflation=linear.inflation * factors)
-
-
-def with_play(linear: LinearisedModel, play: Array) -> LinearisedModel:
-    """Return the design with gears that have play, shape (n,) [rad] or [m]: links may rest anywhere within it."""
-    same = scatters_alike(play, linear.scatter.play)
-    return linear if same else with_scatter(linear, replace(linear.scatter, play=play))
-
-
-def with_scatter(linear: LinearisedModel, scatter: Scatter) -> LinearisedModel:
-    """Return the design with another scatter of friction and play."""
-    return _reassembled(linear, linear.weighed, scatter)
-
-
-def roughened(
-    linear: LinearisedModel, left: Array, where: Sequence[NDArray[np.bool_]] | None = None
-) -> LinearisedModel:
-    """Return the design with larger standard errors in motion where a residual is rough: what is not resolved is noise.
-
-    Args:
-        linear: The campaign.
-        left: Shape (T, c), residual of a model.
-        where: Of every segment, shape (T of the segment,), instants to look at; None: all.
-    """
-    chosen = where or [np.ones(len(segment), dtype=bool) for segment in linear.weighed]
-    segments = tuple(
-        segment
-        if segment.is_static
-        else replace(segment, sigma=np.where(rows[:, None], with_roughness(part, segment.sigma), segment.sigma))
-        for segment, part, rows in zip(linear.weighed, linear.split(left), chosen, strict=True)
-    )
-    return _reassembled(linear, segments, linear.scatter)
-
-
-def with_friction_of(linear: LinearisedModel, world: World, play: Array) -> LinearisedModel:
-    """Return the design with the friction and the play of a world: what it holds at rest, and how that scatters.
-
-    Args:
-        linear: The campaign.
-        world: In which the sensitivities to friction held at rest are taken.
-        play: Shape (n,) [rad] or [m], of the gears.
-
-    Raises:
-        ConvergenceError, RobotError: The world cannot be simulated.
-    """
-    traces = linear.replay.traces(world)
-    levels = levels_of(linear.replay.robot(world), traces, world.acting)
-    held, changes = held_friction(linear.replay, traces, linear.responses, levels)
-    names = [str(nuisance) for nuisance in linear.nuisances]
-    new = relinearised(linear, [names.index(str(nuisance)) for nuisance in held], changes)
-    if scatters_alike(play, linear.scatter.play) and scatters_alike(levels, linear.scatter.levels):
-        return new
-    return with_scatter(new, replace(linear.scatter, play=play, levels=levels))
-
-
 def fit(linear: LinearisedModel) -> Array:
     """Return the nuisances that explain the residuals best under their priors, shape (p,), in standard deviations."""
     normal = linear.jacobian.T @ linear.jacobian + np.eye(linear.jacobian.shape[1])
     return np.asarray(np.linalg.solve(normal, linear.jacobian.T @ linear.white), dtype=np.float64)
 
 
-def _reassembled(linear: LinearisedModel, segments: tuple[Segment, ...], scatter: Scatter) -> LinearisedModel:
-    known = (linear.replay, linear.nuisances, linear.responses)
-    new = _assemble(*known, scatter, segments, linear.sensitivities, linear.residual)
-    return replace(new, inflation=linear.inflation, unexplained=linear.unexplained)
-
-
-def _assemble(
+def assembled(
     replay: Replay,
     nuisances: tuple[Nuisance, ...],
     responses: tuple[TorqueResponse, ...],
@@ -301,6 +168,7 @@ def _assemble(
     sensitivities: Array,
     residual: Array,
 ) -> LinearisedModel:
+    """Return a linearised model from its parts; see there."""
     whitenings, repeated = whitenings_of(replay.compiled, segments, responses, replay.quantities, scatter)
     runs = tuple(dict.fromkeys(segment.run for segment in segments))
     c = len(replay.quantities)

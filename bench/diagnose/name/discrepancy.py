@@ -11,8 +11,9 @@ from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import Block, anew
 from bench.diagnose.linearise.lack_of_fit import are_settled, factors_of, left_by_nuisances, missed, unexplained
-from bench.diagnose.linearise.linearised_model import LinearisedModel, raised, roughened, with_play
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.marginal import Columns, Nuisances
+from bench.diagnose.linearise.other_noise import raised, roughened, with_play
 from bench.diagnose.linearise.screening import WIDTHS
 from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.naming import Naming

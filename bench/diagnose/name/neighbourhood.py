@@ -10,13 +10,8 @@ from bench.diagnose.extend.fit import pseudo_residual
 from bench.diagnose.linearise.candidates import Cause, candidates_of, causes_of
 from bench.diagnose.linearise.generic import blocks_of
 from bench.diagnose.linearise.lack_of_fit import are_settled, factors_of, left_by_nuisances, unexplained
-from bench.diagnose.linearise.linearised_model import (
-    LinearisedModel,
-    raised,
-    relinearised,
-    with_friction_of,
-    with_places,
-)
+from bench.diagnose.linearise.linearised_model import LinearisedModel, relinearised
+from bench.diagnose.linearise.other_noise import raised, with_friction_of, with_places
 from bench.diagnose.linearise.screening import Screening, Tried, screen, tried_of
 from bench.diagnose.linearise.signatures import Sensitivities, Signatures
 from bench.diagnose.name.models import Model, without_shape

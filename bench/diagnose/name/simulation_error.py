@@ -7,7 +7,8 @@ import numpy as np
 
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.lack_of_fit import as_simulated
-from bench.diagnose.linearise.linearised_model import LinearisedModel, raised
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.other_noise import raised
 from bench.diagnose.name.models import Model, reweighed
 from bench.diagnose.name.sizes import log_of_priors
 from bench.errors import NOT_SIMULATED

@@ -9,7 +9,8 @@ import yaml
 
 from bench.diagnose.extend.fit import Fit, unknowns_of
 from bench.diagnose.linearise.candidates import Cause
-from bench.diagnose.linearise.linearised_model import LinearisedModel, linearised_model_of
+from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
