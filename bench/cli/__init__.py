@@ -20,6 +20,7 @@ from bench.cli.convert import Convert
 from bench.cli.demo import Demo
 from bench.cli.diagnose import Diagnose
 from bench.cli.effects import Effects
+from bench.cli.heeded import expect_once
 from bench.cli.hide import Hide
 from bench.cli.identify import Identify
 from bench.cli.memory import return_what_is_free, short_of_memory
@@ -34,7 +35,15 @@ from bench.cli.stopping import TerminatedError, ending_at_a_signal
 from bench.cli.store import Store
 from bench.cli.study import Study
 from bench.cli.view import View
-from bench.errors import BenchError, InputError, NoLibraryError, interrupt_behind, not_loaded
+from bench.errors import (
+    MOST_OF_NAME,
+    BenchError,
+    InputError,
+    NoLibraryError,
+    interrupt_behind,
+    not_loaded,
+    printable,
+)
 
 Command = (  # in the order of the help; each goes by the name of its class
     Paper
@@ -66,6 +75,7 @@ GRAPHICS = "MUJOCO_GL"
 PICTURES = {"MPLBACKEND": "agg"}  # all are files; what stands there may be a notebook's, or no backend at all
 NARROWEST = 20  # columns; tables of help take for ever to be laid out in one to four
 NO_TEMPORARY = "No usable temporary directory"  # as Python says it
+REFUSED = (errno.EACCES, errno.EPERM, errno.ENAMETOOLONG, errno.ELOOP)  # by the system, whatever is done with a file
 UNPRINTED = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 
 
@@ -121,6 +131,10 @@ def _of_surroundings(error: BaseException) -> tuple[str, int] | None:
         return short, InputError.exit_code
     if isinstance(error, OSError) and error.errno in (errno.EMFILE, errno.ENFILE):
         return f"{error.strerror}; let it open more (ulimit -n), and end what holds many", InputError.exit_code
+    if isinstance(error, OSError) and error.filename is not None and error.errno in REFUSED:
+        named = str(error.filename)
+        shown = printable(named[:MOST_OF_NAME] + "..." * (len(named) > MOST_OF_NAME))
+        return f"{shown}: {error.strerror}; make it readable, or name another", InputError.exit_code
     if isinstance(error, FileNotFoundError) and NO_TEMPORARY in str(error):
         return f"{error.strerror}; free some space there, or name another in TMPDIR", InputError.exit_code
     if isinstance(error, ImportError | RuntimeError) and GRAPHICS in str(error):  # as MuJoCo refuses it
@@ -146,6 +160,7 @@ def _run(arguments: list[str] | None) -> int:
     finally:
         sys.stdout.flush()  # help ends the program here
     _expect_no_empty(typed)
+    expect_once(typed, command)
     expect_nameable(typed, Path(command.name) if isinstance(command, NewRobot) else getattr(command, "out", None))
     return_what_is_free()
     if not isinstance(command, TRYING_MODELS):

@@ -36,10 +36,20 @@ class Convert:
 
     def run(self) -> int:
         """Convert or look, and say what was left out; return the exit code."""
+        from bench.cli.heeded import expect_idle
         from bench.errors import InputError
 
         if self.look is not None:
+            converting = {
+                "LOGS": self.source,
+                "--log": self.log,
+                "--window-s": self.window_s,
+                "--parquet": self.parquet,
+            }
+            expect_idle(converting, "--look proposes a log.yaml, and converts nothing")
+            expect_idle({"ROBOT": self.of and self.robot}, "--robot names another one")
             return self._look(self.look)
+        expect_idle({"--robot": self.of, "--topic": self.topic}, "only --look asks for it")
         if not self.robot or self.source is None or self.out is None:
             raise InputError("bench convert ROBOT LOGS -o DIR, or bench convert --look LOG --robot ROBOT.")
         return self._convert(self.source, self.out)

@@ -44,6 +44,7 @@ class Hide:
         """Make and write the campaign; return the exit code."""
         import numpy as np
 
+        from bench.cli.heeded import expect_idle
         from bench.cli.seeds import checked_seed
         from bench.effects.catalogue import catalogue
         from bench.errors import InputError, RobotError
@@ -62,6 +63,8 @@ class Hide:
         machine = None if self.machine is None else np.random.default_rng(checked_seed(self.machine, "--machine"))
         if bool(self.effects) == self.none:
             raise InputError("name an effect to hide, or give --none for data without one; not both.")
+        if all("@" in effect for effect in self.effects):
+            expect_idle({f"--joint {self.joint}": self.joint is not None}, "no effect is named without a place")
         session = read_scenario(self.scenario)
         if isinstance(session, Complementary):
             raise InputError(f"{self.scenario}: is no experiment on the robot; take a session, such as session-short.")

@@ -42,6 +42,7 @@ class Identify:
 
     def run(self) -> int:
         """Identify and print; return the exit code."""
+        from bench.cli.heeded import expect_idle
         from bench.errors import InputError
 
         if not self.campaign:
@@ -49,6 +50,8 @@ class Identify:
         if self.level is not None and not 0 < self.level < 1:
             raise InputError(f"--level {self.level:g}: must lie between 0 and 1.")
         if self.method == "dynamics":
+            stiffness = {"--reference": self.reference != "unloaded", "--weights": self.weights != "noise"}
+            expect_idle(stiffness, "is for stiffness, and no part of --method dynamics")
             return self._dynamics(0.9 if self.level is None else self.level)
         if self.weights == "equal" and self.method not in {"current", "force"}:
             raise InputError("--weights equal needs --method current or --method force.")

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from bench.executor.contract import Executor
+    from bench.study.study import Settings
 
 
 VARIED = "vary.json"
@@ -71,16 +72,10 @@ class Study:
 
     def run(self) -> int:
         """Run, print the table and name the folder; return the exit code."""
-        from bench.cli.progress import progress_bar
         from bench.cli.seeds import checked_seed
         from bench.errors import InputError
-        from bench.report.study.words import measured_words, met_words
-        from bench.report.study.write import PAGE, write_study
-        from bench.study.labs import Lab
         from bench.study.plan import SMALL, Counts
-        from bench.study.rows import ROWS
-        from bench.study.scores import scores_of
-        from bench.study.study import Settings, run_study
+        from bench.study.study import Settings
 
         if self.recordings and self.recordings < 2:
             raise InputError(
@@ -97,6 +92,24 @@ class Study:
             counts = replace(SMALL, worlds=worlds)
         settings = Settings(checked_seed(self.seed), counts=counts)
         workers = self._workers()
+        is_new = not self.out.exists()
+        try:
+            return self._in_folder(workers, settings)
+        finally:
+            if is_new and self.out.is_dir() and not any(self.out.iterdir()):
+                self.out.rmdir()  # it ended in an error before anything was made
+
+    def _in_folder(self, workers: "AbstractContextManager[Executor]", settings: "Settings") -> int:
+        """Run the study in its folder; return the exit code."""
+        from bench.cli.progress import progress_bar
+        from bench.errors import InputError
+        from bench.report.study.words import measured_words, met_words
+        from bench.report.study.write import PAGE, write_study
+        from bench.study.labs import Lab
+        from bench.study.rows import ROWS
+        from bench.study.scores import scores_of
+        from bench.study.study import run_study
+
         try:
             self.out.mkdir(parents=True, exist_ok=True)
             if any(self.out.iterdir()) and not any((self.out / name).exists() for name in (ROWS, VARIED)):

@@ -27,6 +27,7 @@ from bench.diagnose.explain import (
 )
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.candidates import causes_of, unseen_of
+from bench.diagnose.linearise.contradicted import contradicted_readings
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.signatures import Signatures
 from bench.diagnose.name.discrepancy import Discrepancy
@@ -148,7 +149,8 @@ def _concluded(task: Task, found: Explained, *, proposes: bool) -> Diagnosis:
     links = (one.robot.figures.uncertainty.links for one in (signatures.compiled, task.compiled))
     verdict = replace(verdict, blind=blind, predicted=predicted, unfinished=unfinished, baseline=found.baseline)
     slow = slow_motion(found.about.segments, found.about.quantities, found.about.replay.compiled.is_slide)
-    verdict = replace(verdict, changed=changed_figures(found.about, found.fit), slow=slow)
+    contradicted = tuple(contradicted_readings(naming.linear, found.fit.residual))
+    verdict = replace(verdict, changed=changed_figures(found.about, found.fit), slow=slow, contradicted=contradicted)
     return Diagnosis(found.about, naming, replace(verdict, links=next(links) / next(links)), found.discrepancy)
 
 

@@ -26,6 +26,9 @@ from bench.diagnose.experiment_design.undetectable import (
     UndetectableEffect as UndetectableEffect,
 )  # part of the verdict
 from bench.diagnose.extend.size import NORMAL_95 as NORMAL_95  # of the intervals of a verdict
+from bench.diagnose.linearise.contradicted import (
+    ContradictedReading as ContradictedReading,
+)  # part of the verdict
 from bench.diagnose.linearise.limits import DetectionLimit as DetectionLimit  # part of the verdict
 from bench.diagnose.named_causes import AmbiguityGroup as AmbiguityGroup  # part of the verdict
 from bench.diagnose.named_causes import Explanation as Explanation  # part of the verdict
@@ -160,6 +163,7 @@ class Verdict:
         changed: Figures that are other ones than the diagnosis found from which this one started, however far they were
             expected to drift: those of the robot first, then those of readings, the least expected first.
         slow: How much of the motion of each drive was compared.
+        contradicted: What the lab knows besides and all other readings contradict.
     """
 
     kind: str
@@ -186,6 +190,7 @@ class Verdict:
     links: float = 1.0
     changed: tuple[FittedFigure, ...] = ()
     slow: tuple[SlowMotion, ...] = ()
+    contradicted: tuple[ContradictedReading, ...] = ()
 
     @property
     def other_explanations(self) -> tuple[Explanation, ...]:

@@ -289,3 +289,12 @@ def test_help_names_no_option_twice_denied(command: str, capsys: pytest.CaptureF
     said = capsys.readouterr().out
     assert "--no-store" in said
     assert "--no-no" not in said
+
+
+@pytest.mark.parametrize(
+    "options", [("--effects", "no_such_effect"), ("--recordings", "2", "--world", "plain")], ids=["effect", "world"]
+)
+def test_a_study_that_cannot_be_leaves_no_folder(options: tuple[str, ...], tmp_path: Path) -> None:
+    """The folder of a study was made before it was known whether there is one, and stayed there empty."""
+    assert main(["study", "-o", str(tmp_path / "study"), *options]) == 2
+    assert not (tmp_path / "study").exists()

@@ -2,6 +2,7 @@
 
 import errno
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -98,6 +99,32 @@ def test_a_full_folder_for_temporary_files_is_one_sentence(tmp_path: Path) -> No
         True,
         True,
     )
+    assert "Traceback" not in found.stderr
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "apply hh150 -o {out} --motion {shut}/motion.csv",
+        "run {shut}/scenario.yaml -o {out}",
+        "new-robot mine --mjcf {shut}/arm.xml -o {out}",
+        "diagnose . -o {out} --file {shut}/effects.py",
+        "view {shut}/session.rrd",
+        "convert hh150 {shut} -o {out} --log {shut}/log.yaml",
+    ],
+)
+def test_a_folder_that_may_not_be_searched_is_one_sentence(command: str, tmp_path: Path) -> None:
+    """A file in another user's folder ended in a traceback; to root every folder is open."""
+    shut, out = tmp_path / "shut", tmp_path / "out"
+    shut.mkdir(mode=0o000)
+    drop = ""
+    if os.geteuid() == 0:
+        if not shutil.which("setpriv"):
+            pytest.skip("root may search every folder, and setpriv is not there to take that from it")
+        drop = "setpriv --bounding-set=-dac_override,-dac_read_search "
+    found = ended(f"{drop}{BENCH} {command.format(shut=shut, out=out)}")
+    shut.chmod(0o700)
+    assert (found.returncode, "Permission denied" in found.stderr, str(shut) in found.stderr) == (2, True, True)
     assert "Traceback" not in found.stderr
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bench.diagnose.diagnose import diagnose
+from bench.diagnose.linearise.contradicted import contradicted_readings
 from bench.diagnose.linearise.linearised_model import LinearisedModel, fit
 from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.replay.known import carried_mass, known_quantities, with_known_payload, with_known_segments
@@ -22,6 +23,7 @@ from bench.predict.predict import predict
 from bench.record.campaign import Campaign
 from bench.record.carried import with_payloads
 from bench.record.known import Known
+from bench.report.diagnosis.words import words_of
 from bench.report.diagnosis.write import write_diagnosis
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
@@ -147,6 +149,34 @@ def test_two_readings_of_a_payload_weigh_by_their_errors(campaign: Campaign, rob
     x = spread @ jacobian.T @ white
     pull = np.linalg.solve(np.eye(2) + rows @ spread @ rows.T, linear.white[known] - rows @ x)
     np.testing.assert_allclose(fit(linear), x + spread @ rows.T @ pull, rtol=ROUNDING, atol=ROUNDING)
+
+
+@pytest.mark.parametrize("stated", [1.0, 2.0])
+def test_a_reading_that_all_others_contradict_is_told(
+    campaign: Campaign, robot: CompiledRobot, stated: float, tmp_path: Path
+) -> None:
+    """A payload that was written down twice as heavy was believed; of a stiffness two causes were named at 100 %."""
+    known = Known("payload_kg", stated * (5.0 + PAYLOAD_KG), 0.1)
+    weighed = replace(campaign, known=(known,))
+    found = diagnose(weighed, robot, {"gas_loss": EFFECTS["gas_loss"]}, most_bins=BINS)
+    told = found.verdict.contradicted
+    assert len(told) == (stated != 1.0)
+    for one in told:
+        assert (one.channel, one.value, one.sigma) == ("known_payload_kg", known.value, known.sigma)
+        assert abs(one.by_others - known.value / stated) < 5 * one.by_others_sigma
+        assert one.apart > 5.0
+        assert any("standard errors apart" in line for line in words_of(found.verdict))
+        write_diagnosis(found, tmp_path, weighed)
+        assert "standard errors apart" in (tmp_path / "report.html").read_text()
+
+
+def test_what_no_figure_moves_is_held_against_what_was_found(campaign: Campaign, robot: CompiledRobot) -> None:
+    """The gas is as warm as the model has it; a reading that no figure can follow was told of nowhere."""
+    known = Known("gas_temperature_k", 393.0, 1.0)
+    linear = linear_of(replace(campaign, known=(known,)), robot)
+    (one,) = contradicted_readings(linear, linear.residual)
+    assert (one.value, one.by_others_sigma, one.apart > 50.0) == (393.0, 0.0, True)
+    assert not list(contradicted_readings(linear, 0.0 * linear.residual))
 
 
 def test_prediction_takes_what_is_known(campaign: Campaign, robot: CompiledRobot) -> None:

@@ -66,6 +66,30 @@ def test_one_run_is_told(
     assert f"in run {run!r}" in said
 
 
+@pytest.mark.parametrize(
+    ("other", "words"),
+    [
+        (None, "current_2_a: has the wrong sign"),
+        ("current_3_a", "current_2_a: current_2_a and current_3_a are exchanged"),
+    ],
+)
+def test_several_runs_are_told(other: str | None, words: str, campaign: Campaign, compiled: CompiledRobot) -> None:
+    """Each stands among the others that are mistaken; one was told its clock, and causes were named at 100 %."""
+    names = [run.name for run in campaign.runs if run.kind == "motion"][::3]
+    runs = []
+    for run in campaign.runs:
+        here = run.columns
+        if run.name in names:
+            exchanged = {"current_2_a": here[other], other: here["current_2_a"]} if other else {}
+            here = {**here, **(exchanged or {"current_2_a": -here["current_2_a"]})}
+        runs.append(replace(run, columns=here))
+    (said,) = (str(one) for one in doubts_of(replace(campaign, runs=tuple(runs)), compiled))
+    assert words in said
+    assert "and not in all others" in said
+    assert {name for name in names if name in said}
+    assert not {run.name for run in campaign.runs if f"'{run.name}'" in said} - set(names)
+
+
 def test_of_two_runs_that_contradict_each_other_none_is_blamed(campaign: Campaign, compiled: CompiledRobot) -> None:
     """Two sweeps alone tell the inertia of joint 3, which four lines move as well: which clock is off is not known."""
     names = ("joint3-payload0-speed50-up", "joint3-payload0-speed50-down")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.poison.in_results import PREDICT
+from tests.poison.in_results import APPLY, FOUND, PREDICT
 from tests.poison.in_scenarios import LOG, ROWS
 from tests.poison.variant import Variant
 
@@ -101,7 +101,81 @@ def files_that_are_there(rng: np.random.Generator) -> Iterator[Variant]:
             yield Variant("files that are there", f"{out} for {name}", spoil, "error", words, (*command, "-o", out))
 
 
+def options_given_twice(rng: np.random.Generator) -> Iterator[Variant]:
+    """Give an option twice; the last one counted, and campaigns or files of effects named before were left out."""
+    fit, hide = ("identify", ".", "--method", "dynamics"), ("hide", "--none", "--scenario", "line")
+    for option, command in {
+        "--held-out": (*fit, "--held-out", "one", "--held-out", "other"),
+        "--file": ("diagnose", ".", "-o", "out", "--file", "one.py", "--file", "other.py"),
+        "--out": ("apply", FOUND, "-o", "one", "--out", "other"),
+        "--seed": (*hide, "-o", "../out", "--seed", "1", "--seed=2"),
+        "--no-store": ("check", ".", "--store", "--no-store"),
+    }.items():
+        words = (f"{option}: is given twice",)
+        yield Variant("options given twice", option, lambda folder: None, "error", words, command)
+    free = (*PREDICT, "--free", "friction", "--free", "payload")
+    yield Variant("options given twice", "--free, which may be", lambda folder: None, "harmless", (), free)
+
+
+def options_that_count_for_nothing(rng: np.random.Generator) -> Iterator[Variant]:
+    """Give options that another one makes idle; nothing was said of them."""
+    hide, log = ("hide", "--scenario", "line", "-o", "../out"), "runs/loaded-out.csv"
+    for option, command in {
+        "--joint 3": (*hide, "coulomb_level@2=0.1", "--joint", "3"),
+        "--joint 2": (*hide, "--none", "--joint", "2"),
+        "--weights": ("identify", ".", "--method", "dynamics", "--weights", "equal"),
+        "--reference": ("identify", ".", "--method", "dynamics", "--reference", "first-load"),
+        "--parquet": ("convert", "--look", log, "--parquet"),
+        "--window-s": ("convert", "--look", log, "--window-s", "0", "1"),
+        "LOGS": ("convert", "robot", "runs", "--look", log),
+        "--topic": ("convert", "robot", "runs", "-o", "out", "--topic", "/joints"),
+    }.items():
+        words = (f"{option}: ", "leave it out")
+        yield Variant("options that count for nothing", option, lambda folder: None, "error", words, command)
+
+
+def names_that_are_too_long(rng: np.random.Generator) -> Iterator[Variant]:
+    """Name a file by what stands in it, as a variable of the shell may; six of eight ended in a traceback."""
+    name = "x" * 5000
+    for what, command in {
+        "a motion": (*APPLY, "--motion", name),
+        "effects": ("diagnose", ".", "-o", "out", "--file", f"{name}.py"),
+        "a model": ("new-robot", "mine", "--mjcf", name),
+        "a recording": ("view", name),
+        "a scenario": ("run", name, "-o", "../out"),
+        "a log.yaml": ("convert", "robot", "runs", "-o", "out", "--log", name),
+        "a log": ("convert", "--look", name),
+        "a campaign": ("check", name),
+    }.items():
+        words = ("xxx", "File name too long")
+        yield Variant("names that are too long", what, lambda folder: None, "error", words, command)
+
+
+def motions_that_are_too_large(rng: np.random.Generator) -> Iterator[Variant]:
+    """Command a motion of more bytes than are read; it ended in a traceback."""
+
+    def spoil(folder: Path) -> None:
+        with (folder / "motion.csv").open("wb") as file:
+            file.truncate(500_000_001)  # of zeros, which take no room
+
+    words = ("motion.csv", "500 000 001 bytes", "BENCH_MOST_TABLE_BYTES")
+    command = (*APPLY, "--motion", "motion.csv")
+    yield Variant("motions that are too large", "of zeros", spoil, "error", words, command)
+
+
+def models_of_the_bench(rng: np.random.Generator) -> Iterator[Variant]:
+    """Start a robot from an MJCF whose actuators have several controls, as all of the bench have; a traceback."""
+    command = ("new-robot", "mine", "--mjcf", "robot/small.xml", "--joints", "hinge_a", "hinge_b", "-o", "out")
+    words = ("2 drives: hinge_a, hinge_b", "left out: 7 actuators, 3 tendons")
+    yield Variant("models of the bench", "of a robot folder", lambda folder: None, "harmless", words, command)
+
+
 FAMILIES = (
+    options_given_twice,
+    options_that_count_for_nothing,
+    names_that_are_too_long,
+    motions_that_are_too_large,
+    models_of_the_bench,
     the_same_twice,
     filters_that_filter_nothing,
     numbers_that_are_none,

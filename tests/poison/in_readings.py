@@ -91,6 +91,30 @@ def one_run_unlike_the_others(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("one run unlike the others", name, spoil, "doubt", words)
 
 
+def several_runs_unlike_the_others(rng: np.random.Generator) -> Iterator[Variant]:
+    """Spoil a third of the motions alike: none of them was unlike the others, and causes were named for it at 100 %."""
+
+    def turn(sheet: Sheet) -> None:
+        sheet.change("current_1_a", lambda v: -v)
+
+    def exchange(sheet: Sheet) -> None:
+        one, other = (sheet.names.index(f"current_{i}_a") for i in (1, 2))
+        sheet.names[one], sheet.names[other] = sheet.names[other], sheet.names[one]
+
+    for name, change, words in (
+        ("a sign", turn, "current_1_a: has the wrong sign in runs"),
+        ("two drives exchanged", exchange, "current_1_a and current_2_a are exchanged in runs"),
+    ):
+
+        def spoil(folder: Path, change: Callable[[Sheet], None] = change) -> None:
+            motions = [sheet for sheet in map(Sheet, tables(folder)) if "pose" not in sheet.names]
+            for sheet in motions[::3]:
+                change(sheet)
+                sheet.write()
+
+        yield Variant("several runs unlike the others", name, spoil, "doubt", (words, "not in all others"))
+
+
 def a_gauge_that_never_moves(rng: np.random.Generator) -> Iterator[Variant]:
     def spoil(folder: Path) -> None:
         shown = None
@@ -234,6 +258,7 @@ FAMILIES = (
     spoilt_single_rows,
     rows_lost_under_an_even_clock,
     one_run_unlike_the_others,
+    several_runs_unlike_the_others,
     a_gauge_that_never_moves,
     copied_runs,
     impossible_readings,

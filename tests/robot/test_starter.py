@@ -194,6 +194,13 @@ def test_a_balance_that_is_left_out_is_said(
     assert re.search(said, (tmp_path / "robot" / "README.md").read_text())
 
 
+def test_an_actuator_may_have_several_controls() -> None:
+    """Those of the bench's own robots have: their MJCF ended in a traceback."""
+    joints = tuple(f"joint{j}" for j in range(1, 7))
+    source = read_source(load_robot("hh150").mjcf, joints)
+    assert tuple(joint.name for joint in source.joints) == joints
+
+
 def test_a_spring_about_an_upright_axis_holds_no_gravity(menagerie: Path) -> None:
     menagerie.write_text(menagerie.read_text().replace('<joint name="j1"', '<joint name="j1" stiffness="30"'))
     source = read_source(menagerie)

@@ -12,6 +12,7 @@ explains why, it is told:
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,8 @@ from bench.record.finding import Finding, counted
 FAR = 3.0  # declared: times what the model leaves of any other run, before a run is unlike the others
 EXPLAINED = 2 / 3  # declared: of what a run has that others have not: twice as much as one number leaves
 OTHERS = 3  # declared: runs in which a drive moves, at least, beside the one that is held against them
+SEVERAL = 2  # exact: runs, from which on one is not alone
+NAMED = 3  # effort: runs that a line names
 READINGS = 5  # declared: of a drive that moves in a run
 TINY = 1e-18  # rounding: [Nm^2]
 MOTION, VISCOUS = 0, 3  # exact: columns of what a channel is made of
@@ -43,19 +46,82 @@ def mistaken_in_one_run(picture: DrivePicture, segments: Sequence[Segment]) -> I
     """
     run_of = run_of_each(segments)
     runs = list(dict.fromkeys(run_of.tolist()))
+    for finding, alike in _in_several_runs(picture, run_of, runs):
+        yield replace(finding, message=f"{finding.message} in runs {_listed(alike)}, and not in all others")
+        runs = [run for run in runs if run not in alike]
     while len(runs) > OTHERS:  # the worst first, which then tells nothing of the others
         others = {run: [other for other in runs if other != run] for run in runs}
         far = {run: float(np.max(_beside(picture, run_of, run, others[run])[1])) for run in runs}
         worst = max(far, key=lambda run: far[run])
         if far[worst] <= FAR:
             return
-        mistakes = _mistaken(picture, run_of, worst, others[worst])
-        for left_out in others[worst] if mistakes else ():  # nothing is told that one other run alone contradicts
-            still = _mistaken(picture, run_of, worst, [other for other in others[worst] if other != left_out])
-            mistakes = [finding for finding in mistakes if finding in still]
-        for finding in mistakes:
+        for finding in _sure(picture, run_of, worst, others[worst]):
             yield replace(finding, message=f"{finding.message} in run {worst!r}, and not in all others")
         runs.remove(worst)
+
+
+def _in_several_runs(
+    picture: DrivePicture, run_of: NDArray[np.str_], runs: Sequence[str]
+) -> Iterator[tuple[Finding, tuple[str, ...]]]:
+    """Yield what channels are taken for in several runs alike, and these runs.
+
+    Held against all others one by one, each of them stands among the others that are mistaken, and none is unlike
+    them. So runs that say one mistake of themselves are left out together, with those that say the same beside what is
+    left, where they are fewer than the rest; and each is then held against that rest as a single run is.
+    """
+    suspected: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for run in runs:
+        for finding in mistakes_in(picture.of(run_of == run), of_units=False):
+            suspected[finding.column, finding.message].append(run)
+    for (column, message), themselves in suspected.items():
+        alike, others = list(themselves), [run for run in runs if run not in themselves]
+        while more := [run for run in others if (column, message) in _said(picture, run_of, run, others)]:
+            alike, others = alike + more, [run for run in others if run not in more]
+        if len(alike) < SEVERAL or len(others) <= max(OTHERS, len(alike)):
+            continue
+        others = _alike_among_themselves(picture, run_of, others)
+        held = {
+            run: finding
+            for run in alike
+            for finding in _mistaken(picture, run_of, run, others)
+            if (finding.column, finding.message) == (column, message)
+        }
+        sure = (run for run, finding in held.items() if finding in _sure(picture, run_of, run, others))
+        if len(list(islice(sure, SEVERAL))) == SEVERAL:
+            yield next(iter(held.values())), tuple(held)
+
+
+def _alike_among_themselves(picture: DrivePicture, run_of: NDArray[np.str_], runs: Sequence[str]) -> list[str]:
+    """Return runs without those that are far from what the others make of them, the worst left out first."""
+    left = list(runs)
+    while len(left) > OTHERS:
+        others = {run: [other for other in left if other != run] for run in left}
+        far = {run: float(np.max(_beside(picture, run_of, run, others[run])[1])) for run in left}
+        worst = max(far, key=lambda run: far[run])
+        if far[worst] <= FAR:
+            break
+        left.remove(worst)
+    return left
+
+
+def _said(picture: DrivePicture, run_of: NDArray[np.str_], run: str, others: Sequence[str]) -> set[tuple[str, str]]:
+    """Return columns and messages of what channels are taken for in a run, by all others."""
+    there, _ = _beside(picture, run_of, run, [other for other in others if other != run])
+    return {(finding.column, finding.message) for finding in mistakes_in(there, of_units=False)}
+
+
+def _listed(runs: Sequence[str]) -> str:
+    shown = ", ".join(repr(run) for run in runs[:NAMED])
+    return f"{shown} and {len(runs) - NAMED} more" if len(runs) > NAMED else shown
+
+
+def _sure(picture: DrivePicture, run_of: NDArray[np.str_], run: str, others: Sequence[str]) -> list[Finding]:
+    """Return what channels are taken for in a run, without what one other run alone contradicts."""
+    mistakes = _mistaken(picture, run_of, run, others)
+    for left_out in others if mistakes else ():
+        still = _mistaken(picture, run_of, run, [other for other in others if other != left_out])
+        mistakes = [finding for finding in mistakes if finding in still]
+    return mistakes
 
 
 def _mistaken(picture: DrivePicture, run_of: NDArray[np.str_], run: str, others: Sequence[str]) -> list[Finding]:

@@ -1,7 +1,7 @@
 """What a verdict says in sentences, for the page and the terminal alike."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -82,6 +82,22 @@ def scatter_sentence(verdict: Verdict) -> str:
     )
     more = f", and {len(verdict.noisy) - WORST} more (noisy in verdict.json)" if len(verdict.noisy) > WORST else ""
     return f"{words} Worst: {worst}{more}. Nothing that was tried explains that, and a cause may hide in it."
+
+
+def contradicted_sentences(verdict: Verdict) -> Iterator[str]:
+    """Yield a sentence for each thing that the lab knows besides and all other readings contradict."""
+    for one in verdict.contradicted:
+        others = f"the model with what was found has {one.by_others:.4g}"
+        if one.by_others_sigma:
+            others = (
+                "all other readings, by the nominal model with its figures free, make it "
+                f"{one.by_others:.4g} ± {one.by_others_sigma:.2g}"
+            )
+        yield (
+            f"{channel_name(one.channel).capitalize()} is stated as {one.value:.4g} ± {one.sigma:.2g} {one.unit}, but "
+            f"{others}: {one.apart:.3g} standard errors apart. Look at what was written down under `known` before you "
+            "believe a cause that is named: each had to explain both."
+        )
 
 
 def read_gains(verdict: Verdict) -> list[ChannelGain]:

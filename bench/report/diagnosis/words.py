@@ -25,6 +25,7 @@ from bench.report.diagnosis.names import (
 from bench.report.diagnosis.numbers import percent
 from bench.report.diagnosis.sentences import (
     FLOOR,
+    contradicted_sentences,
     gain_sentence,
     gain_text,
     how_predicted,
@@ -55,6 +56,7 @@ def words_of(verdict: Verdict) -> Iterator[str]:
     yield headline(verdict)
     if verdict.unfinished:
         yield unfinished_sentence(verdict)
+    yield from contradicted_sentences(verdict)
     for group in verdict.findings:
         yield from _finding(group)
     for explanation in verdict.other_explanations:

@@ -16,6 +16,7 @@ from bench.identify.arm import Arm
 from bench.record import csv_table
 from bench.record.campaign import Array
 from bench.record.finding import Finding
+from bench.record.plain_file import FileFault
 from bench.report.handover.applied import Applied
 from bench.report.handover.drag import drag_torque
 from bench.report.handover.motion_faults import clock_faults, derivative_faults
@@ -76,7 +77,10 @@ def read_motion(file: Path, compiled: CompiledRobot) -> Motion:
     findings: list[Finding] = []
     if not file.is_file():
         raise InputError(f"{file}: there is no such file; give a CSV file with time_s and q_cmd_i_rad.")
-    content = csv_table.read(file, str(file), findings)
+    try:
+        content = csv_table.read(file, str(file), findings)
+    except FileFault as fault:
+        raise InputError(f"{file}: {fault}; {fault.remedy}.") from fault
     if findings or content is None:
         raise InputError(str(finding) for finding in findings)
     _, columns = content

@@ -57,8 +57,8 @@ def lost_balance(model: mujoco.MjModel, driven: Sequence[int], names: Sequence[s
 def _pulled(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
     """Return the generalised force of the actuators that pull at tendons, as they pull by themselves (controls 0)."""
     on_tendon = model.actuator_trntype == mujoco.mjtTrn.mjTRN_TENDON
-    moment = np.zeros((model.nu, model.nv))
-    if model.nu:
+    moment = np.zeros((len(on_tendon), model.nv))  # an actuator may have several controls, and `nu` counts those
+    if len(on_tendon):
         mujoco.mju_sparse2dense(
             moment, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind
         )
