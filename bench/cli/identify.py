@@ -77,6 +77,7 @@ class Identify:
 
     def _dynamics(self, level: float) -> int:
         import json
+        from contextlib import ExitStack
 
         from bench.cli.doubts import heed
         from bench.record.folder import new_folder
@@ -84,12 +85,13 @@ class Identify:
         from bench.report.dynamics.identify import identify_dynamics, open_recordings
         from bench.report.dynamics.text import print_dynamics
 
-        recordings = open_recordings(self.campaign, self.held_out, self.robot)
-        heed(recordings.warnings, recordings.doubts, despite_doubts=self.despite_doubts)
-        result = identify_dynamics(recordings, self.cutoff_hz)
-        content = json.dumps(as_json(result, level), indent=2)
-        if self.out is not None:
-            with new_folder(self.out, DYNAMICS, replace=False) as folder:
+        with ExitStack() as stack:  # a place where nothing can be written is refused before the work
+            folder = stack.enter_context(new_folder(self.out, DYNAMICS, replace=False)) if self.out else None
+            recordings = open_recordings(self.campaign, self.held_out, self.robot)
+            heed(recordings.warnings, recordings.doubts, despite_doubts=self.despite_doubts)
+            result = identify_dynamics(recordings, self.cutoff_hz)
+            content = json.dumps(as_json(result, level), indent=2)
+            if folder:
                 (folder / DYNAMICS).write_text(content + "\n", encoding="utf-8")
         if self.json:
             print(content)

@@ -54,11 +54,11 @@ class Predict:
         from bench.report.prediction.write import write_prediction
 
         checked(self.free)
-        campaign, model, nominal = self._opened()
-        promises = read_promises(model.robot.folder)
         sentences: tuple[str, ...] = ()
-        with ExitStack() as stack:
+        with ExitStack() as stack:  # a place where nothing can be written is refused before the work
             folder = stack.enter_context(new_folder(self.out, NUMBERS, replace=False)) if self.out else None
+            campaign, model, nominal = self._opened()
+            promises = read_promises(model.robot.folder)
             shown = stack.enter_context(phases())
             prediction: Prediction = predict(
                 campaign, model, nominal, promises, self.free, known_of(model.robot.folder), shown.phase

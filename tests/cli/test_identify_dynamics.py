@@ -42,6 +42,17 @@ def test_json_holds_errors_and_parameters(
     assert printed["links"][5]["found"]["m"] > 0
 
 
+@pytest.mark.parametrize("command", [["identify", "--method", "dynamics"], ["predict", "kr300"]])
+def test_a_folder_that_is_not_empty_is_refused_before_the_work(
+    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """No campaign is there to be read: the folder is told first, not after minutes (an examiner found it)."""
+    (tmp_path / "mine.txt").write_text("mine")
+    assert main([*command, str(tmp_path / "no-campaign"), "-o", str(tmp_path)]) == 2
+    assert "is not empty" in capsys.readouterr().err
+    assert [file.name for file in tmp_path.iterdir()] == ["mine.txt"]
+
+
 def test_text_has_errors_first(campaigns: tuple[Path, Path], capsys: pytest.CaptureFixture[str]) -> None:
     capsys.readouterr()
     assert main(["identify", *map(str, campaigns), "--method", "dynamics", "--cutoff-hz", "8"]) == 0
