@@ -23,7 +23,6 @@ from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.world import (
     NOMINAL,
     World,
-    key_of_motion,
     log_error_of,
     model_of,
     moved,
@@ -109,7 +108,7 @@ class MotionReplay:
         """
         if not world.changes_robot:
             return self._nominal
-        return self._known.get(key_of_motion(world), lambda: self._moved(world))
+        return self._known.get(world.key_of_motion, lambda: self._moved(world))
 
     def traces(self, world: World) -> list[Trace]:
         """Return the true motion in a world, segment by segment."""

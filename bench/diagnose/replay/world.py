@@ -44,6 +44,13 @@ class World:
         return any(moves(acting.effect) for acting in self.acting)
 
     @cached_property
+    def key_of_motion(self) -> Hashable:
+        """What decides how its robot moves; what only reads differently does not count."""
+        off = tuple((nuisance, value) for nuisance, value in self.deviations.items() if nuisance.moves_robot)
+        acting = tuple((one.effect, one.place, tuple(one.values.items())) for one in self.acting if moves(one.effect))
+        return off, acting
+
+    @cached_property
     def depends_on_conditions(self) -> bool:
         """Whether its robot differs between warm and cold."""
         return any(acting.effect.depends_on_conditions for acting in self.acting)
@@ -55,13 +62,6 @@ NOMINAL = World()
 def edits_in(world: World, conditions: Conditions) -> list[SpecEdit]:
     """Return the changes of the model in a world: deviations, payload, effects, drifts of the day, in this order."""
     return [edit for step in steps_of(world, conditions) for edit in step.edits()]
-
-
-def key_of_motion(world: World) -> Hashable:
-    """Return what decides how the robot of a world moves; what only reads differently does not count."""
-    off = tuple((nuisance, value) for nuisance, value in world.deviations.items() if nuisance.moves_robot)
-    acting = tuple((one.effect, one.place, tuple(one.values.items())) for one in world.acting if moves(one.effect))
-    return off, acting
 
 
 def moves(effect: Effect) -> bool:
