@@ -69,7 +69,7 @@ class FirstPass:
         base: Its base parameters.
         band: The filter that model and data passed.
         rubbing: The arm whose torque friction grows with.
-        travel: Shape (n,) [rad] or [m], over which the column of friction that turns late does.
+        travel: Shape (n,) [rad] or [m], over which friction turns where it turns late; elsewhere it means nothing.
         bending: How its gears wind up; None where what was held out is not surely predicted better for it.
         stretches: The thinned equations.
         problems: What was solved: prior, posterior, constraints, and plain least squares.
@@ -218,7 +218,7 @@ def first_pass(
         given = _rows(parts, layout, band, arm, nominal), prior, band.cutoff_hz, np.ones(layout.n)
         return solve(*given, find_delay=solution.delay != 0, begin=solution.widths)
 
-    travel = likeliest_travel(stretches, layout, prior, band, solved)
+    travel = likeliest_travel(stretches, layout, prior, band, solution, solved)
     late_stretches = late(stretches, travel, band)
     late_rows = _rows(late_stretches, layout, band, arm, nominal)
     asked = turning_late(_with_rows(solution, late_rows, layout.size), prior)

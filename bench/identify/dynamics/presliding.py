@@ -11,7 +11,7 @@ turn. A low-pass spreads it over rows that count as moving, and there it looks l
 acceleration is largest.
 
 Where it is far shorter than a period of the cut-off only the area of that pulse shows, after a turn with acceleration a
-sqrt(2 pi s / a). So where the factor of the column is u times Coulomb friction, the travel is u^2 times the column's.
+sqrt(2 pi s / a). So if the factor of the column were u times the friction, the travel would be u^2 times the column's.
 An element of `bench.friction`, whose force is linear in the way, has that area with a travel of 9 pi / 32 s = 0.88 s.
 """
 
@@ -73,23 +73,28 @@ def likeliest_travel(
     layout: Layout,
     prior: Prior,
     band: Band,
+    before: Solution,
     solved: Callable[[Sequence[Equations]], Solution],
 ) -> Array:
     """Return the travel of each drive's friction with which its torque is most likely, shape (n,) [rad] or [m].
 
-    All of Coulomb friction turns over it here: the area of a pulse alone does not tell its height from its length.
+    All of its friction turns over it here, for the area of a pulse does not tell its height from its length: Coulomb
+    friction, and in proportion what the torque that is passed on adds in the mean.
 
     Args:
         equations: Of stretches.
         layout: Of the parameters.
         prior: Of the parameters.
         band: The filter that they passed.
+        before: Parameters with friction that turns at once.
         solved: From equations to parameters, delay and weights.
     """
 
     def likeliest(tried: Array, beside: Array) -> Array:
         """Return the likeliest of K travels of each drive, shape (K, n), in even steps of their logarithm."""
-        now, columns = (_columns(equations, travel, band) for travel in (beside[None], tried))
+        now, columns = (
+            [share * added for added in _columns(equations, travel, band)] for travel in (beside[None], tried)
+        )
         solution = solved([_turning(part, x[:, 0]) for part, x in zip(equations, now, strict=True)])
         best = np.zeros(layout.n)
         for j, (one, where) in enumerate(zip(solution.drives, coulomb, strict=True)):
@@ -99,8 +104,25 @@ def likeliest_travel(
         return np.asarray(tried[0] * (tried[1] / tried[0]) ** best)
 
     coulomb = np.arange(layout.size)[layout.of_drives("coulomb")]
+    share = np.array([_whole(before, layout, drive) for drive in range(layout.n)])
     first = likeliest(np.outer(TRAVELS, np.ones(layout.n)), np.zeros(layout.n))
     return likeliest(np.outer((TRAVELS[1] / TRAVELS[0]) ** NEARER, first), first)
+
+
+def level_of(rows: DriveRows, layout: Layout) -> Array:
+    """Return what a drive's friction is made of about its turns, shape (p,): Coulomb friction, and that by the load."""
+    level = np.zeros(layout.size)
+    coulomb, load = (np.arange(layout.size)[layout.of_drives(name)][rows.drive] for name in ("coulomb", "load"))
+    level[coulomb] = 1.0
+    level[load] = np.mean(np.abs(rows.constant[:, rows.index == load])) if len(rows) else 0.0
+    return level
+
+
+def _whole(solution: Solution, layout: Layout, drive: int) -> float:
+    """Return a drive's friction about its turns, as a share of its Coulomb friction."""
+    coulomb = float(solution.parameters[layout.of_drives("coulomb")][drive])
+    whole = float(level_of(solution.drives[drive].rows, layout) @ solution.parameters)
+    return whole / coulomb if coulomb > 0 else 1.0
 
 
 def _top(values: Array) -> float:

@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 
 from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.presliding import level_of
 from bench.identify.dynamics.prior import SELDOM
 from bench.identify.dynamics.regressor import NAMES
 from bench.identify.told import is_told
@@ -104,30 +105,27 @@ def quantities(found: FirstPass) -> tuple[Quantity, ...]:
 
 
 def _travel(found: FirstPass, joint: int, beforehand: Array) -> Quantity:
-    """Return the presliding travel of a drive.
+    """Return the presliding travel of a drive: of its column, with which its torque is likeliest.
 
-    What friction lacks after a turn goes with its level times the root of the travel (`presliding.py`), so a factor of
-    the column that is u times the level stands for u^2 times the column's travel. The level is Coulomb friction and
-    what the torque that is passed on adds in the mean.
+    Pulses after turns go with the level of friction times the root of its travel (`presliding.py`). So the column's
+    factor errs by as much as that root does, each as a share of itself.
 
     Args:
         found: A first pass.
         joint: Its index.
         beforehand: Shape (p, p), covariance of the parameters before the data.
     """
-    every, rows = np.eye(found.layout.size), found.solution.drives[joint].rows
-    late, coulomb, load = (every[found.layout.of_drives(name)][joint] for name in ("presliding", "coulomb", "load"))
-    level = coulomb + load * float(np.mean(np.abs(rows.constant[:, load[rows.index] == 1])))
-    friction = max(float(level @ found.parameters), np.finfo(float).tiny)
-    share, travel = float(late @ found.parameters) / friction, float(found.travel[joint])
-    gradient = 2 * travel * share / friction * (late - share * level)
+    late = np.eye(found.layout.size)[found.layout.of_drives("presliding")][joint]
+    friction = float(level_of(found.solution.drives[joint].rows, found.layout) @ found.parameters)
+    travel = float(found.travel[joint])
+    gradient = 2 * travel / max(friction, np.finfo(float).tiny) * late
     name, *units = DRIVE["presliding"]
     return Quantity(
         kind="friction",
         name=f"{name} ({found.joints[joint]})",
         unit=units[_slides(found, joint)],
         nominal=0.0,
-        value=travel * share**2,
+        value=travel,
         sigma=_sigma(gradient, found.solution.covariance),
         prior_sigma=_sigma(gradient, beforehand),
         combine=gradient,
