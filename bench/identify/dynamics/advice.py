@@ -7,6 +7,7 @@ import numpy as np
 
 from bench.identify.dynamics.equations import drive_columns
 from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.presliding import turned
 from bench.identify.dynamics.quantities import Quantity
 from bench.identify.dynamics.regressor import N_INERTIAL, link_regressor, payload_columns
 from bench.record.campaign import Array
@@ -126,7 +127,7 @@ def _information(found: FirstPass, motion: Motion) -> Array:
     spread = np.where(np.isfinite(spread), spread, np.nanmax(spread))
     every = np.arange(layout.size)
     passed = found.rubbing.torque(found.rubbing.arm, position, velocity, acceleration)
-    own = drive_columns(position, velocity, acceleration, passed)
+    own = drive_columns(position, velocity, acceleration, passed, turned(position, found.travel[None])[:, 0])
     for j in motion.joints:
         factors = np.zeros((len(time), layout.size))
         factors[:, layout.links] = links[:, j]

@@ -10,9 +10,10 @@ from bench.identify.dynamics.equations import OPTIONAL
 from bench.identify.dynamics.folds import Folds
 from bench.identify.dynamics.held_out import Missed, missed
 from bench.identify.dynamics.normal import evidence_gain, posterior
-from bench.identify.dynamics.prior import NARROWEST, Prior, Widths
+from bench.identify.dynamics.prior import NARROWEST, NONE, Prior, Widths
 from bench.identify.dynamics.rows import DriveRows
 from bench.identify.dynamics.solve import Solution, solve
+from bench.record.campaign import Array
 
 # declared: log evidence from where on a drive has it; 100 to 1, as a diagnosis asks of a finding
 SURELY = float(np.log(100.0))
@@ -23,15 +24,23 @@ ROUNDS = 2  # effort: of asking by how much the model errs beside its data; a th
 
 
 def with_its_delay(
-    rows: Sequence[DriveRows], prior: Prior, band: Band, folds: Folds, *, find_delay: bool
+    rows: Sequence[DriveRows], prior: Prior, band: Band, folds: Folds, *, find_delay: bool, turns_late: bool = False
 ) -> tuple[Solution, Missed]:
     """Return the posterior, with a delay where that surely predicts what was held out better, and what it misses.
 
     Where it does not, the solution says which one a fit with one has.
+
+    Args:
+        rows: Of each drive.
+        prior: Of the parameters.
+        band: The filter that they passed.
+        folds: What is held out at a time.
+        find_delay: Whether torques may be later than angles.
+        turns_late: Whether friction may turn late.
     """
-    solution, at_once = _solved(rows, prior, band, folds, find_delay=False)
+    solution, at_once = _solved(rows, prior, band, folds, find_delay=False, turns_late=turns_late)
     if find_delay:
-        late, later = _solved(rows, prior, band, folds, find_delay=True)
+        late, later = _solved(rows, prior, band, folds, find_delay=True, turns_late=turns_late)
         if later.surely_less_than(at_once):
             return late, later
         solution = replace(solution, not_taken=(late.delay, late.delay_sigma))
@@ -39,13 +48,15 @@ def with_its_delay(
 
 
 def _solved(
-    rows: Sequence[DriveRows], prior: Prior, band: Band, folds: Folds, find_delay: bool
+    rows: Sequence[DriveRows], prior: Prior, band: Band, folds: Folds, find_delay: bool, turns_late: bool
 ) -> tuple[Solution, Missed]:
     """Return the posterior whose noise is what is missed beside its data, and that."""
     widths = None
     for _ in range(CHOICES):
         solution, beside = _with_its_noise(rows, prior, band, folds, find_delay, widths)
         chosen = _held_out_widths(solution, beside, prior, folds)
+        if turns_late:
+            chosen = turning_late(replace(solution, widths=chosen), prior)
         if chosen == solution.widths:
             break
         widths = chosen
@@ -91,27 +102,61 @@ def _held_out_widths(solution: Solution, beside: Missed, prior: Prior, folds: Fo
     return solution.widths
 
 
+def turning_late(solution: Solution, prior: Prior) -> Widths:
+    """Return widths with friction that turns late in each drive whose torque is likelier so, or in none if not surely.
+
+    A joint turns seldom, so hardly any drive has the readings to tell by itself. All of them together have to want it
+    by 100 to 1. It is as optional friction otherwise, but it is for held-out errors of all drives to choose.
+    """
+    n = len(solution.noise)
+    places = n * OPTIONAL.index("presliding") + np.arange(n)
+    own = [int(np.flatnonzero(np.diag(prior.optional[place]))[0]) for place in places]
+    without = solution
+    for place in places:
+        without = replace(without, widths=without.widths.with_optional(int(place), NONE))
+    widths, wanted = without.widths, 0.0
+    parameters, _ = posterior(solution.normal, prior, without.widths)
+    for drive, (place, where) in enumerate(zip(places, own, strict=True)):
+        if solution.noise[drive] is None:
+            continue
+        gain, best = _most_wanted(without, _readings(without, drive, parameters), int(place), prior)
+        if (
+            gain > 0 and posterior(solution.normal, prior, best)[0][where] > 0
+        ):  # friction does not turn before its joint
+            widths = widths.with_optional(int(place), best.optional[place])
+            wanted += gain
+    return widths if wanted > SURELY else without.widths
+
+
+def _most_wanted(solution: Solution, readings: float, place: int, prior: Prior) -> tuple[float, Widths]:
+    """Return by how much what is optional in a place raises the log evidence at best, and the widths with it."""
+    line = [solution.widths.with_optional(place, width) for width in range(NARROWEST, 1)]
+    gains = [evidence_gain(solution.normal, prior, solution.widths, widths, readings) for widths in line]
+    best = int(np.argmax(gains))
+    return gains[best], line[best]
+
+
+def _readings(solution: Solution, drive: int, parameters: Array) -> float:
+    """Return the weighted squares that parameters leave of a drive: as many as its independent readings."""
+    one = solution.drives[drive]
+    return one.weight * float(np.sum((one.rows.response(solution.delay) - one.rows.model(parameters)) ** 2))
+
+
 def _with_optional(
     solution: Solution, beside: Missed, drive: int, prior: Prior, folds: Folds
 ) -> tuple[Solution, Missed]:
     """Return a solution with what one drive has of `OPTIONAL`, the most wanted first, and what it misses."""
-    n, one = len(solution.noise), solution.drives[drive]
-    left = set(range(drive, len(solution.widths.optional), n))
+    n = len(solution.noise)
+    left = set(range(drive, n * OPTIONAL.index("presliding"), n))
     while left:
-        parameters, _ = posterior(solution.normal, prior, solution.widths)
-        readings = one.weight * float(np.sum((one.rows.response(solution.delay) - one.rows.model(parameters)) ** 2))
-        gains, best = {}, {}
-        for place in left:
-            line = [solution.widths.with_optional(place, width) for width in range(NARROWEST, 1)]
-            given = solution.normal, prior, solution.widths
-            evidence = [evidence_gain(*given, widths, readings) for widths in line]
-            gains[place] = max(evidence) - WANTED[OPTIONAL[place // n]]
-            best[place] = line[int(np.argmax(evidence))]
+        readings = _readings(solution, drive, posterior(solution.normal, prior, solution.widths)[0])
+        wanted = {place: _most_wanted(solution, readings, place, prior) for place in left}
+        gains = {place: gain - WANTED[OPTIONAL[place // n]] for place, (gain, _) in wanted.items()}
         place = max(left, key=gains.__getitem__)
         if gains[place] <= 0:
             break
         left.remove(place)
-        more = replace(solution, widths=best[place])
+        more = replace(solution, widths=wanted[place][1])
         tried = missed(more, prior, folds)
         if tried.squares[:, drive].sum() < beside.squares[:, drive].sum():
             solution, beside = more, tried

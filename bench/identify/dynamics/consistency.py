@@ -16,7 +16,7 @@ from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.regressor import N_INERTIAL
 from bench.record.campaign import Array
 
-NOT_NEGATIVE = ("rotor", "coulomb", "viscous", "load", "spring")  # columns of the drives
+NOT_NEGATIVE = ("rotor", "coulomb", "viscous", "load", "spring", "presliding")  # columns of the drives
 # rounding: of a nominal body's trace, how far below zero an eigenvalue may be, for nominal plates and points are there
 THIN = 1e-4
 SMALL = 0.1  # effort: of the largest payload, and of friction's uncertainty: where the search begins

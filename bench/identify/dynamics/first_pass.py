@@ -11,7 +11,7 @@ from bench.identify.arm import Arm
 from bench.identify.dynamics.band import Band, band_of
 from bench.identify.dynamics.base_parameters import BaseParameters, base_parameters
 from bench.identify.dynamics.bending import Bending, bending_of, bent
-from bench.identify.dynamics.chosen import with_its_delay
+from bench.identify.dynamics.chosen import turning_late, with_its_delay
 from bench.identify.dynamics.consistency import Bodies, bodies_of, nearest
 from bench.identify.dynamics.equations import OPTIONAL, Equations, equations_of
 from bench.identify.dynamics.folds import Folds, blocks_of, folds_of
@@ -20,6 +20,7 @@ from bench.identify.dynamics.gear_load import loaded
 from bench.identify.dynamics.held_out import SAME, HeldOut, Problems, hold_out, missed
 from bench.identify.dynamics.normal import Weighed, normal_of, width_errors
 from bench.identify.dynamics.parameters import Layout
+from bench.identify.dynamics.presliding import late, likeliest_travel
 from bench.identify.dynamics.prior import NONE, Prior, prior_of, weighed
 from bench.identify.dynamics.rival import Rival, rival_of
 from bench.identify.dynamics.rows import DriveRows, drive_rows
@@ -68,6 +69,7 @@ class FirstPass:
         base: Its base parameters.
         band: The filter that model and data passed.
         rubbing: The arm whose torque friction grows with.
+        travel: Shape (n,) [rad] or [m], over which friction turns where it turns late; elsewhere it means nothing.
         bending: How its gears wind up; None where what was held out is not surely predicted better for it.
         stretches: The thinned equations.
         problems: What was solved: prior, posterior, constraints, and plain least squares.
@@ -84,6 +86,7 @@ class FirstPass:
     base: BaseParameters
     band: Band
     rubbing: FoundArm
+    travel: Array
     bending: Bending | None
     stretches: tuple[Equations, ...]
     problems: Problems
@@ -138,7 +141,8 @@ class FirstPass:
     def equations(self, samples: MotionSamples, band: Band | None = None) -> Equations:
         """Return the equations of a stretch that passes `band`, by default that of the fit."""
         band = band or self.band
-        (found,) = loaded([equations_of(samples, band, self.arm, self.nominal, self.top_speed)], self.rubbing, band)
+        every = loaded([equations_of(samples, band, self.arm, self.nominal, self.top_speed)], self.rubbing, band)
+        (found,) = late(every, self.travel, band)
         return bent(found, self.bending, band) if self.bending else found
 
     def predict(self, campaign: Campaign) -> Torques:
@@ -153,10 +157,10 @@ class FirstPass:
 
     def torques(self, stretches: Sequence[Equations]) -> Torques:
         """Return measured and predicted torques of thinned equations."""
-        rows, late = self.rows(stretches), self.solution.delay
+        rows, delay = self.rows(stretches), self.solution.delay
         return Torques(
             joints=self.joints,
-            measured=tuple(one.response(late) + one.known for one in rows),
+            measured=tuple(one.response(delay) + one.known for one in rows),
             nominal=tuple(one.model(self.prior.mean) + one.known for one in rows),
             rival=tuple(one.model(self.rival_parameters) + one.known for one in rows),
             first_pass=tuple(one.model(self.parameters) + one.known for one in rows),
@@ -209,6 +213,20 @@ def first_pass(
     stretches = loaded(stretches, rubbing, band)
     rows = _rows(stretches, layout, band, arm, nominal)
     solution, beside = with_its_delay(rows, prior, band, folds, find_delay=find_delay)
+
+    def solved(parts: Sequence[Equations]) -> Solution:
+        given = _rows(parts, layout, band, arm, nominal), prior, band.cutoff_hz, np.ones(layout.n)
+        return solve(*given, find_delay=solution.delay != 0, begin=solution.widths)
+
+    travel = likeliest_travel(stretches, layout, prior, band, solution, solved)
+    late_stretches = late(stretches, travel, band)
+    late_rows = _rows(late_stretches, layout, band, arm, nominal)
+    asked = turning_late(_with_rows(solution, late_rows, layout.size), prior)
+    if turns_late := asked != solution.widths:
+        turning, beside_turning = with_its_delay(late_rows, prior, band, folds, find_delay=find_delay, turns_late=True)
+        if turns_late := beside_turning.surely_less_than(beside):
+            solution, beside = turning, beside_turning
+    stretches, rows = late_stretches, late_rows
     bending = bending_of(existing(solution))
     bent_stretches = tuple(bent(part, bending, band) for part in stretches)
     while True:
@@ -221,7 +239,9 @@ def first_pass(
         bent_stretches = tuple(replace(part, winding=part.winding * bending.winds) for part in bent_stretches)
     is_bent = False
     if bending.winds.any():
-        wound, beside_wound = with_its_delay(bent_rows, prior, band, folds, find_delay=find_delay)
+        wound, beside_wound = with_its_delay(
+            bent_rows, prior, band, folds, find_delay=find_delay, turns_late=turns_late
+        )
         if is_bent := beside_wound.surely_less_than(beside):
             solution, stretches, rows = wound, bent_stretches, bent_rows
     unsure = width_errors(solution.normal, prior, solution.widths)
@@ -237,6 +257,7 @@ def first_pass(
         base=base,
         band=band,
         rubbing=rubbing,
+        travel=travel,
         bending=bending if is_bent else None,
         stretches=stretches,
         problems=problems,
@@ -281,6 +302,13 @@ def _existing(bodies: Bodies, solution: Solution, prior: Prior) -> Array:
     """Return the most probable parameters of bodies that can exist, shape (p,)."""
     factor = prior.factor(solution.widths)
     return nearest(bodies, solution.parameters, prior.mean, factor, solution.normal.gram)
+
+
+def _with_rows(solution: Solution, rows: Sequence[DriveRows], size: int) -> Solution:
+    """Return a solution with the normal equations of other rows, about the same parameters and weighted alike."""
+    about = solution.parameters
+    drives = tuple(Weighed(new, new.factors(about), old.weight) for new, old in zip(rows, solution.drives, strict=True))
+    return replace(solution, drives=drives, normal=normal_of(drives, solution.delay, size))
 
 
 def _sizes(rows: Sequence[DriveRows], layout: Layout, speed_limit: Array) -> tuple[Array, Array]:

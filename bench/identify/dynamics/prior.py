@@ -142,7 +142,7 @@ class Prior:
         scale: Shape (p, p), of the scales of torques.
         stated_offset: Shape (p, p), of offsets as far as they are stated.
         offset: Shape (n, p, p), of each drive's offset beyond that.
-        optional: Shape (4 n, p, p), of each of `OPTIONAL`, drive after drive. A dress pack rests anywhere in the range
+        optional: Shape (5 n, p, p), of each of `OPTIONAL`, drive after drive. A dress pack rests anywhere in the range
             of its joint, so with it comes an offset.
         free: Shape (p, p), of all others.
     """
@@ -257,7 +257,8 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
     low, high = arm.bodies.limits.T
     springs = torque_rms / np.where(high > low, (high - low) / 2, 1.0)  # the whole torque at either end of the range
     names, all_of_it = ("offset", *OPTIONAL), np.ones(n)  # of what a gear passes on, friction cannot take more
-    for into, name, most in zip((offset, *optional), names, (torque_rms, drag, rolls, all_of_it, springs), strict=True):
+    sizes = (torque_rms, drag, rolls, all_of_it, springs, torque_rms)
+    for into, name, most in zip((offset, *optional), names, sizes, strict=True):
         where = every[layout.of_drives(name)]
         into[np.arange(n), where, where] = most
     rests = every[layout.of_drives("offset")]

@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 
 from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.presliding import level_of
 from bench.identify.dynamics.prior import SELDOM
 from bench.identify.dynamics.regressor import NAMES
 from bench.identify.told import is_told
@@ -19,6 +20,7 @@ DRIVE = {  # column -> name, its unit for a hinge and for a slide
     "rolling": ("rolling friction, at 1 rad/s or 1 m/s", "Nm", "N"),
     "load": ("friction by the torque passed on", "Nm/Nm", "N/N"),
     "spring": ("stiffness of a dress pack", "Nm/rad", "N/m"),
+    "presliding": ("presliding travel", "rad", "m"),
     "offset": ("torque offset", "Nm", "N"),
 }
 RELATIVE = "relative"  # unit of a quantity that is a share
@@ -37,8 +39,10 @@ class Quantity:
         sigma: Standard error.
         prior_sigma: How well it was known beforehand, with the widths that the evidence chose, and any width of offsets
             and optional friction.
-        combine: Shape (p,), its factors of the parameters.
+        combine: Shape (p,), its factors of the parameters; of a presliding travel, which is not linear in them, its
+            gradient.
         meaning: What is lumped in it, term by term, the most uncertain first; empty: nothing else.
+        is_square: Whether it is the square of what data tell, as a presliding travel is.
     """
 
     kind: Kind
@@ -50,6 +54,7 @@ class Quantity:
     prior_sigma: float
     combine: Array
     meaning: tuple[str, ...] = ()
+    is_square: bool = False
 
     @property
     def told(self) -> bool:
@@ -57,7 +62,11 @@ class Quantity:
         return is_told(self.sigma**2, self.prior_sigma**2)
 
     def interval(self, quantile: float) -> tuple[float, float]:
-        """Return the lower and upper end, `quantile` standard errors away."""
+        """Return the lower and upper end, `quantile` standard errors away; of a square those of its root, squared."""
+        if self.is_square and self.value > 0:
+            root = np.sqrt(self.value)
+            half = quantile * self.sigma / (2 * root)
+            return float(max(root - half, 0.0) ** 2), float((root + half) ** 2)
         return self.value - quantile * self.sigma, self.value + quantile * self.sigma
 
 
@@ -68,30 +77,22 @@ def quantities(found: FirstPass) -> tuple[Quantity, ...]:
     beforehand = found.prior.covariance(found.solution.widths)
 
     def add(kind: Kind, name: str, unit: str, combine: Array, meaning: tuple[str, ...] = ()) -> None:
-        result.append(
-            Quantity(
-                kind=kind,
-                name=name,
-                unit=unit,
-                nominal=float(combine @ found.prior.mean),
-                value=float(combine @ found.parameters),
-                sigma=float(np.sqrt(max(float(combine @ found.solution.covariance @ combine), 0.0))),
-                prior_sigma=float(np.sqrt(combine @ beforehand @ combine)),
-                combine=combine,
-                meaning=meaning,
-            )
-        )
+        nominal, value = float(combine @ found.prior.mean), float(combine @ found.parameters)
+        sigma, prior_sigma = _sigma(combine, found.solution.covariance), _sigma(combine, beforehand)
+        result.append(Quantity(kind, name, unit, nominal, value, sigma, prior_sigma, combine, meaning))
 
     for where, recording in zip(layout.payloads, layout.carried or ("",), strict=False):
         name = f"unstated payload ({recording})" if recording else "unstated payload"
         add("payload", name, "kg", every[where.start])
     if layout.has_gas:
         add("gas", "gas of the counterbalance", "of full", every[layout.gas.start])
-    for column, (name, *units) in DRIVE.items():
+    for column in (name for name in DRIVE if name != "presliding"):
+        name, *units = DRIVE[column]
         for joint, row in enumerate(every[layout.of_drives(column)]):
             if column in SELDOM and row @ beforehand @ row == 0:
                 continue  # there is none
             add("friction", f"{name} ({found.joints[joint]})", units[_slides(found, joint)], row)
+    result += (_travel(found, joint, beforehand) for joint in found.has["presliding"])
     base = found.base
     for k, name in enumerate(base.names):
         unit = base.units[k]
@@ -101,6 +102,39 @@ def quantities(found: FirstPass) -> tuple[Quantity, ...]:
     for joint, row in enumerate(every[layout.gain]):
         add("drive", f"torque scale ({found.joints[joint]})", RELATIVE, row)
     return tuple(result)
+
+
+def _travel(found: FirstPass, joint: int, beforehand: Array) -> Quantity:
+    """Return the presliding travel of a drive: of its column, with which its torque is likeliest.
+
+    Pulses after turns go with the level of friction times the root of its travel (`presliding.py`). So the column's
+    factor errs by as much as that root does, each as a share of itself.
+
+    Args:
+        found: A first pass.
+        joint: Its index.
+        beforehand: Shape (p, p), covariance of the parameters before the data.
+    """
+    late = np.eye(found.layout.size)[found.layout.of_drives("presliding")][joint]
+    friction = float(level_of(found.solution.drives[joint].rows, found.layout) @ found.parameters)
+    travel = float(found.travel[joint])
+    gradient = 2 * travel / max(friction, np.finfo(float).tiny) * late
+    name, *units = DRIVE["presliding"]
+    return Quantity(
+        kind="friction",
+        name=f"{name} ({found.joints[joint]})",
+        unit=units[_slides(found, joint)],
+        nominal=0.0,
+        value=travel,
+        sigma=_sigma(gradient, found.solution.covariance),
+        prior_sigma=_sigma(gradient, beforehand),
+        combine=gradient,
+        is_square=True,
+    )
+
+
+def _sigma(combine: Array, covariance: Array) -> float:
+    return float(np.sqrt(max(float(combine @ covariance @ combine), 0.0)))
 
 
 def _slides(found: FirstPass, joint: int) -> bool:

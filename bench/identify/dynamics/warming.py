@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from bench.identify.dynamics.first_pass import FirstPass
 from bench.record.campaign import Array
 
-RUBS = ("coulomb", "viscous", "viscous_difference", "rolling", "load")
+RUBS = ("coulomb", "viscous", "viscous_difference", "rolling", "load", "presliding")
 RATE = 0.01  # declared: of recordings in which nothing goes on, as of a diagnosis; five runs have 120 orders
 FASTER = 0.05  # declared: of recordings whose motions have no order by speed, either way, for which nothing is told
 ORDERS = 5040  # effort: all of seven runs; of more runs as many at random
