@@ -45,7 +45,7 @@ from bench.errors import BenchError
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.executor.watched import Check, Stopped, Watched, never
-from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.found import FirstPass
 from bench.record.campaign import Campaign
 from bench.record.carried import with_payloads
 from bench.robot.compiled import CompiledRobot

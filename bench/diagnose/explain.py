@@ -35,7 +35,7 @@ from bench.effects.recorded import Recorded, recorded_in
 from bench.errors import NOT_SIMULATED, InputError
 from bench.executor.contract import Executor
 from bench.executor.watched import Check, Stopped
-from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.held_out import SAME
 from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot

@@ -12,7 +12,7 @@ from bench.diagnose.cross_validation.folds import folds_of
 from bench.diagnose.cross_validation.leave_out import errors_of_folds, tangent_of
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.held_out import SAME
 from bench.identify.dynamics.warming import Warming, warming_of
 from bench.record.campaign import Array

@@ -6,7 +6,8 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bench.errors import InputError
-from bench.identify.dynamics.first_pass import FirstPass, first_pass
+from bench.identify.dynamics.first_pass import first_pass
+from bench.identify.dynamics.found import FirstPass
 from bench.record.campaign import Campaign, Run
 from bench.robot.compiled import CompiledRobot
 from bench.robot.nominal_dynamics import nominal_dynamics

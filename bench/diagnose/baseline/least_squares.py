@@ -10,7 +10,7 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.instants import instants_of
 from bench.identify.dynamics import folds as dynamics
 from bench.identify.dynamics.averages import Averages, averages_of
-from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.found import FirstPass
 from bench.record.campaign import Array
 
 MODELS = {"plain_least_squares": "rival", "first_pass": "first_pass"}  # names here -> those of the first pass

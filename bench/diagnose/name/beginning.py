@@ -15,7 +15,7 @@ from bench.effects.friction_shape import LoadFriction
 from bench.effects.geometry import DressPack
 from bench.effects.lubricant import RollingFriction
 from bench.executor.contract import Executor
-from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.found import FirstPass
 
 # what a first pass has of a drive -> name of the effect
 TOLD = {"rolling": RollingFriction.name, "load": LoadFriction.name, "spring": DressPack.name}

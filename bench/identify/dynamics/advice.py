@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.identify.dynamics.equations import drive_columns
-from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.presliding import turned
 from bench.identify.dynamics.quantities import Quantity
 from bench.identify.dynamics.regressor import N_INERTIAL, link_regressor, payload_columns

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from bench.identify.dynamics.band import Band
-from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.rows import DriveRows
 from bench.identify.dynamics.samples import MotionSamples
 from bench.record.campaign import Array

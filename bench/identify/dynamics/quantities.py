@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.presliding import level_of
 from bench.identify.dynamics.prior import SELDOM
 from bench.identify.dynamics.regressor import NAMES

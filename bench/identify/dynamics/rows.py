@@ -118,3 +118,10 @@ def _curve(part: Equations, drive: int, band: Band) -> CubicSpline:
     torque = part.samples.torque[:, drive]
     filtered = low_pass(np.where(np.isfinite(torque), torque, 0.0), part.samples.rate, band.cutoff_hz)
     return CubicSpline(part.samples.time, filtered)
+
+
+def rows_of(
+    stretches: Sequence[Equations], layout: Layout, band: Band, arm: Arm, nominal: NominalDynamics
+) -> tuple[DriveRows, ...]:
+    """Return the equations of each drive, from stretches of thinned ones."""
+    return tuple(drive_rows(stretches, j, layout, band, arm, nominal) for j in range(layout.n))

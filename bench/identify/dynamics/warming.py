@@ -12,7 +12,7 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.found import FirstPass
 from bench.record.campaign import Array
 
 RUBS = ("coulomb", "viscous", "viscous_difference", "rolling", "load", "presliding")

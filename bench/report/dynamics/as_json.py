@@ -3,7 +3,7 @@
 import numpy as np
 
 from bench.identify.dynamics.advice import sentence
-from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.regressor import N_INERTIAL, NAMES
 from bench.report.dynamics.identify import Dynamics
 from bench.report.dynamics.notes import notes_of

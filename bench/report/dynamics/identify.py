@@ -8,7 +8,8 @@ from threadpoolctl import threadpool_limits
 
 from bench.errors import CampaignError
 from bench.identify.dynamics.advice import Motion, advise
-from bench.identify.dynamics.first_pass import FirstPass, Torques, first_pass
+from bench.identify.dynamics.first_pass import first_pass
+from bench.identify.dynamics.found import FirstPass, Torques
 from bench.identify.dynamics.quantities import Quantity, quantities
 from bench.record.campaign import Campaign
 from bench.record.finding import Finding

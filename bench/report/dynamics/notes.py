@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.identify.dynamics.first_pass import FirstPass, Torques
+from bench.identify.dynamics.found import FirstPass, Torques
 from bench.identify.dynamics.held_out import HeldOut
 from bench.identify.dynamics.prior import WIDER
 from bench.identify.dynamics.warming import Warming, warming_of

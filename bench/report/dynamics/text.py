@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bench.identify.dynamics.advice import sentence
-from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.prior import AS_STATED
 from bench.identify.dynamics.quantities import DRIVE, RELATIVE, Quantity
 from bench.record.campaign import Array

@@ -1,6 +1,6 @@
 """What a first pass is compared with, in which unit, and what it holds out at a time, in words."""
 
-from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.found import FirstPass
 
 MODELS = {  # of `Torques` -> what they are called
     "measured": "torque itself",

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 from scipy import signal
 
-from bench.identify.dynamics.first_pass import FirstPass
+from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.regressor import standard_parameters
 from bench.record.campaign import Array, Campaign, Run
 from bench.robot.bodies import Point, RigidBodies, read_only

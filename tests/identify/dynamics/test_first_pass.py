@@ -10,7 +10,8 @@ from bench.identify.arm import Arm
 from bench.identify.dynamics.advice import _candidates, _information, advise, sentence
 from bench.identify.dynamics.consistency import inertial_parameters
 from bench.identify.dynamics.equations import DRIVE_COLUMNS
-from bench.identify.dynamics.first_pass import FirstPass, first_pass
+from bench.identify.dynamics.first_pass import first_pass
+from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.prior import weighed
 from bench.identify.dynamics.quantities import Quantity, quantities
 from bench.identify.dynamics.regressor import N_INERTIAL, payload_columns

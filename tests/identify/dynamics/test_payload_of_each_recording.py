@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.identify.dynamics.first_pass import FirstPass, first_pass
+from bench.identify.dynamics.first_pass import first_pass
 from bench.identify.dynamics.folds import blocks_of
+from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.quantities import quantities
 from bench.record.campaign import Campaign
 from bench.robot.nominal_dynamics import NominalDynamics

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.identify.dynamics.first_pass import FirstPass, Torques, first_pass
+from bench.identify.dynamics.first_pass import first_pass
+from bench.identify.dynamics.found import FirstPass, Torques
 from bench.identify.dynamics.quantities import quantities
 from bench.record.campaign import Campaign
 from bench.record.convert import convert

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.identify.dynamics.first_pass import FirstPass, first_pass
+from bench.identify.dynamics.first_pass import first_pass
+from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.warming import RATE, _chance, warming_of
 from bench.record.campaign import Campaign
 from bench.report.dynamics.notes import warming_notes

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from bench.identify.dynamics.equations import OPTIONAL
-from bench.identify.dynamics.first_pass import FirstPass, first_pass
+from bench.identify.dynamics.first_pass import first_pass
+from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.normal import posterior
 from bench.identify.dynamics.prior import AS_STATED, NARROWEST, NONE
 from bench.identify.dynamics.quantities import quantities
