@@ -58,7 +58,7 @@ class Compare:
         from bench.report.comparison.recordings import open_compared
         from bench.report.comparison.words import words_of
         from bench.report.comparison.write import COMPARISON, REPORT, write_comparison
-        from bench.report.prediction.model import load_model
+        from bench.report.prediction.model import known_of, load_model
         from bench.store.place import open_store
 
         if not self.after:
@@ -75,7 +75,8 @@ class Compare:
         out = new_folder(self.out, COMPARISON, replace=False) if self.out else nullcontext()
         with out as folder, phases() as shown, TemporaryDirectory() as files:
             shown.phase("the robot as it was")
-            fitted = as_it_was(before, compiled, Path(files))
+            is_handed_over = robot is not None and known_of(robot.folder) is not None
+            fitted = as_it_was(before, compiled, Path(files), is_handed_over=is_handed_over)
             executor = Watched(on_cores(self.cores), shows=shown.share)
             store = open_store() if self.store else None
             found = compare(recordings, fitted, effects, progress=shown.phase, executor=executor, store=store)

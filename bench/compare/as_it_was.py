@@ -13,6 +13,7 @@ from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause, causes_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.nominal_model import linearised_model_of
+from bench.diagnose.linearise.screening import Screening
 from bench.diagnose.linearise.signatures import Signatures
 from bench.diagnose.name.beginning import what_is_left_out
 from bench.diagnose.name.models import Model
@@ -43,7 +44,9 @@ SETTLED = 0.5  # effort: log evidence; a fit that rises by less is settled, as i
 FITS = 2.0  # declared: times the noise, that stated figures leave of a robot whose drawing leaves nothing out
 
 
-def as_it_was(before: Campaign, compiled: CompiledRobot, folder: Path) -> CompiledRobot:
+def as_it_was(
+    before: Campaign, compiled: CompiledRobot, folder: Path, *, is_handed_over: bool = False
+) -> CompiledRobot:
     """Return the robot with its figures fitted to what was recorded before, as it was last seen there.
 
     What drifts from day to day multiplies what the nominal model gets wrong: a torque constant that is another one by
@@ -52,10 +55,14 @@ def as_it_was(before: Campaign, compiled: CompiledRobot, folder: Path) -> Compil
     nobody stated are fitted with them, and the gas that a model leaves out, if that is likelier: else torque constants
     would stand for all friction, and links for the gas.
 
+    A robot that a diagnosis handed over has all that the machine has. What it leaves of the noise is what the diagnosis
+    could not explain either, so only what may be another one in each recording is asked for, where signatures show it.
+
     Args:
         before: Recordings of the machine as it was.
         compiled: The robot to begin with; it is returned where no model can be fitted to them.
         folder: For the files of the fitted robot, which have to stay for as long as it is used.
+        is_handed_over: Whether a finished diagnosis handed the robot over.
     """
     campaign = with_payloads(before)
     quantities = quantities_of(campaign.runs, compiled)
@@ -64,6 +71,8 @@ def as_it_was(before: Campaign, compiled: CompiledRobot, folder: Path) -> Compil
         return compiled
     nuisances = with_recordings(nuisances_of(compiled, quantities), compiled, campaign.recordings)
     known = {name: effect for name, effect in catalogue().items() if name in (*LEFT_OUT, CounterbalanceGas.name)}
+    if is_handed_over:
+        known = {name: effect for name, effect in known.items() if effect.between == "anew"}
     measured, recorded = measured_by(campaign), recorded_by(campaign, compiled)
     causes = causes_of([*known.values()], compiled, measured, recorded)
     with threadpool_limits(1, "blas"):  # as all of a comparison: threads would change roundings, and cost time
@@ -74,12 +83,18 @@ def as_it_was(before: Campaign, compiled: CompiledRobot, folder: Path) -> Compil
                 changes = Signatures(compiled, quantities, nuisances, causes).sensitivities(segments)
                 around = Neighbourhood(compiled, known, measured, FALSE_ALARM_RATE, recorded=recorded)
                 weighed, screening = around.weighed(linear, causes, changes)
-                candidate = what_is_left_out(weighed, screening, Model(fit), known)
-                tried = (_settled(linear, candidate.causes, start) for start in ({}, candidate.start))
-                fit = max(fit, *tried, key=lambda one: one.log_evidence)
+                if not is_handed_over or _shows(screening):
+                    candidate = what_is_left_out(weighed, screening, Model(fit), known)
+                    tried = (_settled(linear, candidate.causes, start) for start in ({}, candidate.start))
+                    fit = max(fit, *tried, key=lambda one: one.log_evidence)
             return _written(compiled, as_of(fit.world(linear), recordings_of(segments)[-1]), folder / "robot")
         except NOT_SIMULATED:
             return compiled
+
+
+def _shows(screening: Screening) -> bool:
+    """Whether signatures show any cause beyond chance."""
+    return any(entry.cause and entry.log_evidence > screening.threshold for entry in screening.entries)
 
 
 def _settled(linear: LinearisedModel, causes: tuple[Cause, ...], start: Mapping[Key, float]) -> Fit:

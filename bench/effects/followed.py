@@ -20,6 +20,7 @@ class Followed:
         acceleration: Shape (T, n) [rad/s^2], of motors and links.
         visit: Shape (T,), at rest the index of the first instant of the same visit, which comes right after the pose
             was approached; -1 in motion.
+        first: Shape (T,), index of the first instant of the same visit or stretch of motion.
         gear_k: Shape (T, n) [K], of the gearboxes.
         waves: Returns the mean of exp(2 pi i x / period) over what each instant averages, shape (T,), of a period [rad]
             or [m] and the index of a drive at x; None: that of its q, for nothing is averaged.
@@ -29,6 +30,7 @@ class Followed:
     trace: Trace
     acceleration: Array
     visit: NDArray[np.intp]
+    first: NDArray[np.intp]
     gear_k: Array
     waves: Callable[[float, int], NDArray[np.complex128]] | None = None
 

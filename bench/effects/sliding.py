@@ -14,8 +14,9 @@ PLAIN = (
 def sliding_friction(followed: Followed, side: Side, drive: int) -> Array | None:
     """Return the Coulomb friction of one side of a drive, shape (T,) [Nm]: minus its level in motion towards +.
 
-    In motion it slides with the joint; a joint that stands while others move was never pushed, and has none. At rest
-    it is what slid last, on the approach or under a load, for friction that holds keeps the level that it had then.
+    In motion it slides with the joint. The link of a joint that stands while others move slides where they push it over
+    its level, and is held before that. What holds keeps the level that it had when it slid last: in the same stretch of
+    motion, or at rest on the approach or under a load.
 
     None where it is not plain Coulomb friction, for something else shapes it.
 
@@ -34,5 +35,4 @@ def sliding_friction(followed: Followed, side: Side, drive: int) -> Array | None
     if np.any(np.abs(force) > (1 + PLAIN) * level) or not np.all(slides[moves]):
         return None
     last = np.maximum.accumulate(np.where(slides, np.arange(len(force)), -1))
-    counts = moves | (at_rest & (last >= followed.visit))
-    return np.where(counts, np.sign(force[last]) * level, 0.0)
+    return np.where(last >= followed.first, np.sign(force[last]) * level, 0.0)

@@ -5,13 +5,19 @@ import shutil
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from bench import paths
 from bench.cli import main
 from bench.cli.compare import CHANGED
+from bench.diagnose.replay.posterior import Posterior
+from bench.errors import InputError
+from bench.record.campaign import Campaign
 from bench.record.known import Known
 from bench.record.write import write_campaign
+from bench.report.handover.posterior_file import write_posterior
+from bench.robot.compiled import CompiledRobot
 from tests.diagnose.sweeps import SWEEP, made
 
 
@@ -76,8 +82,33 @@ def test_what_cannot_be_compared_is_said(
 def test_the_folder_of_a_diagnosis_stands_for_the_robot_that_it_handed_over(
     campaigns: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    shutil.copytree(paths.models_dir() / "hh150", tmp_path / "found" / "robot")
+    found = copied(tmp_path)
     folders = [str(campaigns / name) for name in ("may", "june")]
-    arguments = [*folders, "--robot", str(tmp_path / "found"), "--no-store", "--cores", "1"]
+    arguments = [*folders, "--robot", str(found), "--no-store", "--cores", "1"]
     assert main(["compare", *arguments]) == 0
     assert capsys.readouterr().out.startswith("Nothing changed")
+
+
+@pytest.mark.parametrize("is_handed_over", [True, False])
+def test_a_robot_is_known_to_be_handed_over(
+    campaigns: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_handed_over: bool
+) -> None:
+    found = copied(tmp_path)
+    if is_handed_over:
+        write_posterior(found / "robot", Posterior((), np.empty((0, 0))))
+    given: list[bool] = []
+
+    def asked(_before: Campaign, _compiled: CompiledRobot, _folder: Path, *, is_handed_over: bool) -> CompiledRobot:
+        given.append(is_handed_over)
+        raise InputError("that is all that was asked")
+
+    monkeypatch.setattr("bench.compare.as_it_was.as_it_was", asked)
+    folders = [str(campaigns / name) for name in ("may", "june")]
+    assert main(["compare", *folders, "--robot", str(found), "--no-store", "--cores", "1"]) == 2
+    assert given == [is_handed_over]
+
+
+def copied(folder: Path) -> Path:
+    """Return the folder of a diagnosis that handed over the nominal robot."""
+    shutil.copytree(paths.models_dir() / "hh150", folder / "found" / "robot")
+    return folder / "found"

@@ -126,15 +126,16 @@ class MotionReplay:
         for course in self._courses(world):
             segments = [self.segments[i] for i in course.segments]
             lengths = [count_of(segment) for segment in segments]
+            starts = np.cumsum([0, *lengths[:-1]])
             visits = [
-                first if segment.is_static else -1
-                for segment, first in zip(segments, np.cumsum([0, *lengths[:-1]]), strict=True)
+                start if segment.is_static else -1 for segment, start in zip(segments, starts.tolist(), strict=True)
             ]
             followed = Followed(
                 compiled=self._robot_along(world, course),
                 trace=trace[course.rows],
                 acceleration=course.motion.acceleration[course.motion.read],
                 visit=np.repeat(visits, lengths),
+                first=np.repeat(starts, lengths),
                 gear_k=at_each_instant(segments, [segment.conditions.gear_k for segment in segments]),
                 waves=partial(_waves, segments),
             )
