@@ -26,8 +26,8 @@ from bench.simulate.instruments import HOUR
 from bench.simulate.plant import Trace
 
 ANGLE_NODES = 17  # effort: of a free shape over an angle, in a search; with nine a dent of 4 degrees is not seen
-# effort: of a torque over the angle alone, beside that: joints move over 70 to 260 degrees in a day, where 17 nodes are 4
-# to 16 degrees apart; a ripple of 12 degrees was noise. Friction that ripples and gears that err are listed.
+# effort: of a torque over the angle alone, beside that: joints move over 70 to 260 degrees in a day, where 17 nodes are
+# 4 to 16 degrees apart; a ripple of 12 degrees was noise. Friction that ripples and gears that err are listed.
 FINE_NODES = 33
 SPEED_NODES = 4  # effort: of one over speed
 LOAD_NODES = 7  # effort: of one over the load
