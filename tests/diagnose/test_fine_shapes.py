@@ -1,4 +1,4 @@
-"""What free shapes can follow: a ripple of a torque over an angle that is wide."""
+"""What free shapes can follow: a ripple of a torque over an angle that is wide, and a gauge that sticks."""
 
 import numpy as np
 import pytest
@@ -6,6 +6,7 @@ import pytest
 from bench.diagnose.linearise.generic import FINE_NODES, Block, blocks_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import tried_of
+from bench.diagnose.name.discrepancy import effect_of
 from bench.diagnose.replay.world import NOMINAL
 from tests.diagnose.small_models import linear_of
 from tests.diagnose.sweeps import SWEEPS, made
@@ -41,6 +42,19 @@ def test_a_ripple_of_twelve_degrees_is_a_torque_over_a_wide_angle(
     left = [np.sum((ripple - b.columns @ np.linalg.lstsq(b.columns, ripple)[0]) ** 2) for b in over_angle]
     print(np.array(left) / np.sum(ripple**2))
     assert min(left) < MOST_LEFT * np.sum(ripple**2)
+
+
+def test_a_gauge_that_sticks_is_an_error_of_its_readings() -> None:
+    """Its lag is one of pressure, the same at each speed; the only lag that was known was one of time, at 100 %."""
+    linear = linear_of(made(SWEEPS, seed=4))
+    (block,) = (block for block in blocks_of(linear) if block.place == "gauge")
+    (gauge,) = (c for c, quantity in enumerate(linear.quantities) if quantity.kind == "gas_pressure")
+    stuck = np.zeros(linear.replay.predict(NOMINAL).shape)
+    stuck[:, gauge] = -4e5 * np.sign(linear.replay.trace(NOMINAL).q_velocity[:, 1])
+    white = linear.whiten(stuck)
+    left = white - block.columns @ np.linalg.lstsq(block.columns, white)[0]
+    assert left @ left < MOST_LEFT * white @ white
+    assert effect_of(linear, block) is None
 
 
 def test_shapes_of_both_kinds_share_their_odds(over_angle: list[Block]) -> None:

@@ -51,7 +51,7 @@ class Block:
     """One place and one dependence.
 
     Attributes:
-        place: "joint 2", "drive 3", "tracker", "reflector 1".
+        place: "joint 2", "drive 3", "tracker", "reflector 1", "gauge".
         kind: "link torque", "motor torque", "gear angle", "reading".
         depends_on: "angle", "angle and direction", "speed", "load", "place", "time", "force".
         drive: Index of the drive, or -1.
@@ -207,6 +207,31 @@ def _shapes(linear: LinearisedModel, angle_nodes: int) -> Iterator[tuple[Block, 
                     directed = table * way[:, None]
                     yield Block(place, kind, "load", j, unit, nodes, prior), response[:, :, None] * directed[:, None, :]
     yield from _sensors(linear, trace)
+    if linear.replay.compiled.counterbalance:
+        j = linear.replay.compiled.counterbalance.joint
+        yield from _gauge(linear, trace.q[:, j], direction[:, j], angle_nodes)
+
+
+def _gauge(linear: LinearisedModel, angle: Array, way: Array, angle_nodes: int) -> Iterator[tuple[Block, Array]]:
+    """Yield what a gauge of the counterbalance may read too much on the way out and too little on the way back.
+
+    Without it a gauge that sticks was one that reads late, for sure: no other error of it was known.
+
+    Args:
+        linear: The campaign.
+        angle: Shape (T,) [rad], of the joint that moves the cylinder.
+        way: Shape (T,), direction of its motion; 0 at rest.
+        angle_nodes: Number of nodes.
+    """
+    gauges = [c for c, quantity in enumerate(linear.quantities) if quantity.kind == "gas_pressure"]
+    if not gauges or np.ptp(angle) <= TRAVELS or not (np.any(way > 0) and np.any(way < 0)):
+        return
+    nominal = linear.replay.predict(NOMINAL)
+    nodes = np.linspace(np.min(angle), np.max(angle), angle_nodes)
+    raw = np.zeros((*nominal.shape, angle_nodes))
+    raw[:, gauges] = (hats(angle, nodes) * way[:, None])[:, None, :]
+    prior = READING_SHARE * float(np.max(np.abs(nominal[:, gauges])))
+    yield Block("gauge", "reading", "angle and direction", -1, "Pa", nodes, prior), raw
 
 
 def _sensors(linear: LinearisedModel, trace: Trace) -> Iterator[tuple[Block, Array]]:

@@ -229,8 +229,10 @@ def effect_of(linear: LinearisedModel, block: Block) -> Learned | None:
     return None
 
 
-def _of_reading(block: Block) -> Learned:
-    known = {"load": OF_READING, "place": IN_ROOM, "time": IN_TIME, "force": UNDER_FORCE}[block.depends_on]
+def _of_reading(block: Block) -> Learned | None:
+    known = {"load": OF_READING, "place": IN_ROOM, "time": IN_TIME, "force": UNDER_FORCE}.get(block.depends_on)
+    if known is None:  # a gauge that sticks
+        return None
     names = [known[i] for i in block.functions]
     values = values_of(names, [name.replace("_", " ") for name in names], block.unit, block.prior)
     if block.depends_on == "load":
