@@ -7,7 +7,8 @@ from bench.diagnose.linearise.generic import FINE_NODES, Block, blocks_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import tried_of
 from bench.diagnose.name.discrepancy import effect_of
-from bench.diagnose.replay.world import NOMINAL
+from bench.diagnose.replay.world import NOMINAL, World
+from bench.effects.effect import WHOLE, Acting
 from tests.diagnose.small_models import linear_of
 from tests.diagnose.sweeps import SWEEPS, made
 
@@ -54,7 +55,11 @@ def test_a_gauge_that_sticks_is_an_error_of_its_readings() -> None:
     white = linear.whiten(stuck)
     left = white - block.columns @ np.linalg.lstsq(block.columns, white)[0]
     assert left @ left < MOST_LEFT * white @ white
-    assert effect_of(linear, block) is None
+    effect = effect_of(linear, block)
+    assert effect
+    values = effect.complete({parameter.name: -4e5 for parameter in effect.parameters})
+    changed = linear.replay.predict(World(acting=(Acting(effect, WHOLE, values),))) - linear.replay.predict(NOMINAL)
+    np.testing.assert_allclose(changed[:, gauge], stuck[:, gauge], atol=1.0)
 
 
 def test_shapes_of_both_kinds_share_their_odds(over_angle: list[Block]) -> None:

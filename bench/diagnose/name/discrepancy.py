@@ -30,6 +30,7 @@ from bench.effects.learned_readings import (
     LearnedMount,
     LearnedRoom,
     LearnedScale,
+    LearnedStick,
 )
 from bench.effects.learned_torques import (
     LearnedDrag,
@@ -201,9 +202,12 @@ def effect_of(linear: LinearisedModel, block: Block) -> Learned | None:
 
     A friction of the link that depends on the load in any way is such a thing; on the motor's side it is a reading.
     """
+    compiled = linear.replay.compiled
+    if block.kind == "reading" and compiled.counterbalance and block.depends_on == "angle and direction":
+        stuck = values_at(block.nodes, OVER[block.depends_on], block.unit, block.prior)
+        return LearnedStick(stuck, block.nodes, compiled.counterbalance.joint)
     if block.kind == "reading":
         return _of_reading(block)
-    compiled = linear.replay.compiled
     over, unit = OVER[block.depends_on], block.unit
     if compiled.is_slide[block.drive]:
         over, unit = (words.replace("rad", "m").replace("Nm", "N") for words in (over, unit))
@@ -229,10 +233,8 @@ def effect_of(linear: LinearisedModel, block: Block) -> Learned | None:
     return None
 
 
-def _of_reading(block: Block) -> Learned | None:
-    known = {"load": OF_READING, "place": IN_ROOM, "time": IN_TIME, "force": UNDER_FORCE}.get(block.depends_on)
-    if known is None:  # a gauge that sticks
-        return None
+def _of_reading(block: Block) -> Learned:
+    known = {"load": OF_READING, "place": IN_ROOM, "time": IN_TIME, "force": UNDER_FORCE}[block.depends_on]
     names = [known[i] for i in block.functions]
     values = values_of(names, [name.replace("_", " ") for name in names], block.unit, block.prior)
     if block.depends_on == "load":
