@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.diagnose.linearise.generic import FINE_NODES, Block, blocks_of
+from bench.diagnose.linearise.generic import FINE_NODES, Block, anew, blocks_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import tried_of
 from bench.diagnose.name.discrepancy import effect_of
@@ -60,6 +60,12 @@ def test_a_gauge_that_sticks_is_an_error_of_its_readings() -> None:
     values = effect.complete({parameter.name: -4e5 for parameter in effect.parameters})
     changed = linear.replay.predict(World(acting=(Acting(effect, WHOLE, values),))) - linear.replay.predict(NOMINAL)
     np.testing.assert_allclose(changed[:, gauge], stuck[:, gauge], atol=1.0)
+
+
+def test_a_shape_made_anew_has_as_many_nodes(linear: LinearisedModel, over_angle: list[Block]) -> None:
+    """A diagnosis ended in a traceback where its unlisted cause was of the finer kind."""
+    for block in over_angle:
+        assert anew(linear, block).columns.shape == block.columns.shape
 
 
 def test_shapes_of_both_kinds_share_their_odds(over_angle: list[Block]) -> None:

@@ -62,6 +62,7 @@ class Block:
         columns: Shape (m, k), whitened.
         functions: Shape (k,), which of the functions that a polynomial may have each coefficient belongs to.
         origin, size: What it depends on is counted from `origin`, in units of `size`.
+        angle_nodes: Number of nodes that shapes over an angle have, those that leave no trace too.
     """
 
     place: str
@@ -76,6 +77,7 @@ class Block:
     origin: Array = field(default_factory=lambda: np.zeros(1))
     size: float = 1.0
     reflector: int = -1
+    angle_nodes: int = ANGLE_NODES
 
     @property
     def plausible(self) -> Array:
@@ -93,9 +95,10 @@ def blocks_of(linear: LinearisedModel) -> tuple[Block, ...]:
     return tuple(block for block in _whitened(linear, shapes) if block is not None)
 
 
-def anew(linear: LinearisedModel, block: Block, angle_nodes: int = ANGLE_NODES) -> Block:
+def anew(linear: LinearisedModel, block: Block, angle_nodes: int | None = None) -> Block:
     """Return a block as another design whitens it, and with another number of nodes if it depends on the angle."""
-    one = next((shape, raw) for shape, raw in _shapes(linear, angle_nodes) if str(shape) == str(block))
+    count = block.angle_nodes if angle_nodes is None else angle_nodes
+    one = next((shape, raw) for shape, raw in _shapes(linear, count) if str(shape) == str(block))
     (found,) = _whitened(linear, [one])
     assert found
     return found
@@ -142,7 +145,9 @@ def _seen(linear: LinearisedModel, shapes: Sequence[tuple[Block, Array]]) -> Ite
             yield None
             continue
         nodes = shape.nodes[seen] if len(shape.nodes) else shape.nodes
-        yield replace(shape, nodes=nodes, columns=columns[:, seen], functions=tuple(np.flatnonzero(seen).tolist()))
+        own = tuple(np.flatnonzero(seen).tolist())
+        count = len(shape.nodes) or ANGLE_NODES
+        yield replace(shape, nodes=nodes, columns=columns[:, seen], functions=own, angle_nodes=count)
 
 
 def hats(values: Array, nodes: Array) -> Array:
