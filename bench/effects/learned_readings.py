@@ -1,4 +1,4 @@
-"""Learned errors of readings: of what drives report, and of the tracker. They do not stand in the model."""
+"""Learned errors of readings: of what drives report, of the tracker and of a gauge. They do not stand in the model."""
 
 from dataclasses import replace
 from itertools import product
@@ -83,6 +83,29 @@ class LearnedLoss(Learned):
             j,
             paid / self.torque_constant,
         )
+
+
+class LearnedStick(Learned):
+    """The gauge, by the direction in which the joint of the counterbalance moves.
+
+    Args:
+        parameters: One for each node.
+        nodes: Shape (k,) [rad], angle of that joint, rising.
+        joint: Its index.
+    """
+
+    name = "learned_stick"
+    title = "gauge that sticks, as learned"
+    physics = "In motion the gauge reads p(q) sign(v) too much, linear between nodes."
+
+    def __init__(self, parameters: tuple[Parameter, ...], nodes: Array, joint: int) -> None:
+        super().__init__(parameters)
+        self.nodes = nodes
+        self.joint = joint
+
+    def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
+        error = np.interp(trace.q[:, self.joint], self.nodes, self.sizes(values))
+        return replace(reading, gas_pressure=reading.gas_pressure + error * np.sign(trace.q_velocity[:, self.joint]))
 
 
 class LearnedRoom(Learned):

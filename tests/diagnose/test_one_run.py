@@ -90,6 +90,15 @@ def test_several_runs_are_told(other: str | None, words: str, campaign: Campaign
     assert not {run.name for run in campaign.runs if f"'{run.name}'" in said} - set(names)
 
 
+def test_friction_that_a_servo_turned_round_at_rest_is_no_wrong_sign(
+    campaign: Campaign, compiled: CompiledRobot
+) -> None:
+    """Settling took a motor back until its friction held the other way: a sound recording was refused for it."""
+    (level,) = (compiled.motor_coulomb + compiled.link_coulomb)[4:5] / compiled.torque_constant[4]
+    held = changed(campaign, "pose4-from-above", "current_5_a", lambda v: v + 1.6 * level)
+    assert not said_of(held, compiled)
+
+
 def test_of_two_runs_that_contradict_each_other_none_is_blamed(campaign: Campaign, compiled: CompiledRobot) -> None:
     """Two sweeps alone tell the inertia of joint 3, which four lines move as well: which clock is off is not known."""
     names = ("joint3-payload0-speed50-up", "joint3-payload0-speed50-down")

@@ -135,6 +135,19 @@ def test_the_rounded_top_of_a_curve_is_no_saturation(highest: float, is_said: bo
     assert any("saturated" in str(finding) for finding in found) == is_said
 
 
+@pytest.mark.parametrize(("rows", "is_said"), [(5, False), (12, True)])
+def test_noise_that_repeats_itself_before_a_drive_brakes_is_no_saturation(rows: int, is_said: bool) -> None:
+    """Of a sound sweep five of 238 rows, the last before the brakes, read 2.53 A: it was refused."""
+    time = np.arange(240) * 0.02
+    angle = 0.3 * time
+    needed = np.where(time < 4.6, 1.6 + 0.2 * time, 1.6 + 0.92 - 6 * (time - 4.6))
+    current = np.round((needed + np.random.default_rng(3).normal(0.0, 0.02, len(time))) / 0.01) * 0.01
+    current[230 - rows : 230] = 2.57
+    current = np.minimum(current, 2.57)
+    found = examine(motion({"time_s": time, "q_motor_1_rad": 0 * time, "q_motor_2_rad": angle, "current_2_a": current}))
+    assert any("saturated" in str(finding) for finding in found) == is_said
+
+
 @pytest.mark.parametrize(("noise_a", "slope_a", "is_said"), [(0.02, 4.0, True), (0.0, 4.0, False), (0.0, 40.0, False)])
 def test_a_current_that_rests_on_its_slope_is_frozen_where_it_is_noisy(
     noise_a: float, slope_a: float, is_said: bool

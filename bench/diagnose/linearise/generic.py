@@ -6,6 +6,7 @@ cannot, the cause is unlisted, and the block says where it acts, on what it depe
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 
 import numpy as np
 
@@ -25,6 +26,9 @@ from bench.simulate.instruments import HOUR
 from bench.simulate.plant import Trace
 
 ANGLE_NODES = 17  # effort: of a free shape over an angle, in a search; with nine a dent of 4 degrees is not seen
+# effort: of a torque over the angle alone, beside that: joints move over 70 to 260 degrees in a day, where 17 nodes are
+# 4 to 16 degrees apart; a ripple of 12 degrees was noise. Friction that ripples and gears that err are listed.
+FINE_NODES = 33
 SPEED_NODES = 4  # effort: of one over speed
 LOAD_NODES = 7  # effort: of one over the load
 # What is not listed is taken to be as large as what is listed at such a place; other widths are tried, too (`WIDTHS`).
@@ -47,7 +51,7 @@ class Block:
     """One place and one dependence.
 
     Attributes:
-        place: "joint 2", "drive 3", "tracker", "reflector 1".
+        place: "joint 2", "drive 3", "tracker", "reflector 1", "gauge".
         kind: "link torque", "motor torque", "gear angle", "reading".
         depends_on: "angle", "angle and direction", "speed", "load", "place", "time", "force".
         drive: Index of the drive, or -1.
@@ -58,6 +62,7 @@ class Block:
         columns: Shape (m, k), whitened.
         functions: Shape (k,), which of the functions that a polynomial may have each coefficient belongs to.
         origin, size: What it depends on is counted from `origin`, in units of `size`.
+        angle_nodes: Number of nodes that shapes over an angle have, those that leave no trace too.
     """
 
     place: str
@@ -72,6 +77,7 @@ class Block:
     origin: Array = field(default_factory=lambda: np.zeros(1))
     size: float = 1.0
     reflector: int = -1
+    angle_nodes: int = ANGLE_NODES
 
     @property
     def plausible(self) -> Array:
@@ -83,13 +89,16 @@ class Block:
 
 
 def blocks_of(linear: LinearisedModel) -> tuple[Block, ...]:
-    """Return the blocks that a campaign can say something about."""
-    return tuple(block for block in _whitened(linear, _shapes(linear, ANGLE_NODES)) if block is not None)
+    """Return the blocks that a campaign can say something about; torques over the angle with both numbers of nodes."""
+    fine = (one for one in _shapes(linear, FINE_NODES) if one[0].depends_on == "angle" and one[0].kind != "gear angle")
+    shapes = chain(_shapes(linear, ANGLE_NODES), fine)
+    return tuple(block for block in _whitened(linear, shapes) if block is not None)
 
 
-def anew(linear: LinearisedModel, block: Block, angle_nodes: int = ANGLE_NODES) -> Block:
+def anew(linear: LinearisedModel, block: Block, angle_nodes: int | None = None) -> Block:
     """Return a block as another design whitens it, and with another number of nodes if it depends on the angle."""
-    one = next((shape, raw) for shape, raw in _shapes(linear, angle_nodes) if str(shape) == str(block))
+    count = block.angle_nodes if angle_nodes is None else angle_nodes
+    one = next((shape, raw) for shape, raw in _shapes(linear, count) if str(shape) == str(block))
     (found,) = _whitened(linear, [one])
     assert found
     return found
@@ -136,7 +145,9 @@ def _seen(linear: LinearisedModel, shapes: Sequence[tuple[Block, Array]]) -> Ite
             yield None
             continue
         nodes = shape.nodes[seen] if len(shape.nodes) else shape.nodes
-        yield replace(shape, nodes=nodes, columns=columns[:, seen], functions=tuple(np.flatnonzero(seen).tolist()))
+        own = tuple(np.flatnonzero(seen).tolist())
+        count = len(shape.nodes) or ANGLE_NODES
+        yield replace(shape, nodes=nodes, columns=columns[:, seen], functions=own, angle_nodes=count)
 
 
 def hats(values: Array, nodes: Array) -> Array:
@@ -201,6 +212,31 @@ def _shapes(linear: LinearisedModel, angle_nodes: int) -> Iterator[tuple[Block, 
                     directed = table * way[:, None]
                     yield Block(place, kind, "load", j, unit, nodes, prior), response[:, :, None] * directed[:, None, :]
     yield from _sensors(linear, trace)
+    if linear.replay.compiled.counterbalance:
+        j = linear.replay.compiled.counterbalance.joint
+        yield from _gauge(linear, trace.q[:, j], direction[:, j], angle_nodes)
+
+
+def _gauge(linear: LinearisedModel, angle: Array, way: Array, angle_nodes: int) -> Iterator[tuple[Block, Array]]:
+    """Yield what a gauge of the counterbalance may read too much on the way out and too little on the way back.
+
+    Without it a gauge that sticks was one that reads late, for sure: no other error of it was known.
+
+    Args:
+        linear: The campaign.
+        angle: Shape (T,) [rad], of the joint that moves the cylinder.
+        way: Shape (T,), direction of its motion; 0 at rest.
+        angle_nodes: Number of nodes.
+    """
+    gauges = [c for c, quantity in enumerate(linear.quantities) if quantity.kind == "gas_pressure"]
+    if not gauges or np.ptp(angle) <= TRAVELS or not (np.any(way > 0) and np.any(way < 0)):
+        return
+    nominal = linear.replay.predict(NOMINAL)
+    nodes = np.linspace(np.min(angle), np.max(angle), angle_nodes)
+    raw = np.zeros((*nominal.shape, angle_nodes))
+    raw[:, gauges] = (hats(angle, nodes) * way[:, None])[:, None, :]
+    prior = READING_SHARE * float(np.max(np.abs(nominal[:, gauges])))
+    yield Block("gauge", "reading", "angle and direction", -1, "Pa", nodes, prior), raw
 
 
 def _sensors(linear: LinearisedModel, trace: Trace) -> Iterator[tuple[Block, Array]]:

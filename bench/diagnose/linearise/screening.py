@@ -31,7 +31,8 @@ class Entry:
         what: A candidate (a cause with its shape fixed) or a block (a free shape).
         columns: Shape (k,), consecutive indices into the columns of all that was tried.
         priors: Standard deviations of the columns' sizes, shape (k,) each, and the logarithm of the share that each has
-            of the prior odds: a cause shares them among its shapes and widths, a free shape among its widths.
+            of the prior odds: a cause shares them among its shapes and widths, a free shape among its widths and
+            numbers of nodes.
         log_evidence: Against the model so far, with that share.
     """
 
@@ -100,14 +101,14 @@ def tried_of(what: Sequence[Candidate | Block]) -> Tried:
     """Return things to try with the places of their columns among those of all, in the order given."""
     edges = np.cumsum([0, *(one.columns.shape[1] for one in what)])
     matrix = np.empty((len(what[0].columns) if what else 0, int(edges[-1])))
-    shapes = Counter(one.cause.key for one in what if isinstance(one, Candidate))
+    shapes = Counter(one.cause.key if isinstance(one, Candidate) else str(one) for one in what)
     entries = []
     for one, start, end in zip(what, edges[:-1], edges[1:], strict=True):
         matrix[:, start:end] = one.columns
         if isinstance(one, Candidate):
             widths, count = widths_of(one.cause), shapes[one.cause.key]
         else:
-            widths, count = WIDTHS, 1
+            widths, count = WIDTHS, shapes[str(one)]
         share = -float(np.log(count * len(widths)))
         priors = tuple((width * one.plausible, share) for width in widths)
         entries.append(Entry(replace(one, columns=matrix[:, start:end]), np.arange(start, end), priors))

@@ -31,6 +31,7 @@ from bench.effects.learned_readings import (
     LearnedMount,
     LearnedRoom,
     LearnedScale,
+    LearnedStick,
 )
 from bench.effects.learned_torques import (
     LearnedDrag,
@@ -202,9 +203,12 @@ def effect_of(linear: LinearisedModel, block: Block) -> Learned | None:
 
     A friction of the link that depends on the load in any way is such a thing; on the motor's side it is a reading.
     """
+    compiled = linear.replay.compiled
+    if block.kind == "reading" and compiled.counterbalance and block.depends_on == "angle and direction":
+        stuck = values_at(block.nodes, OVER[block.depends_on], block.unit, block.prior)
+        return LearnedStick(stuck, block.nodes, compiled.counterbalance.joint)
     if block.kind == "reading":
         return _of_reading(block)
-    compiled = linear.replay.compiled
     over, unit = OVER[block.depends_on], block.unit
     if compiled.is_slide[block.drive]:
         over, unit = (words.replace("rad", "m").replace("Nm", "N") for words in (over, unit))

@@ -14,7 +14,9 @@ from bench.record.rules.sheet import LOAD_N, TRAVEL, Sheet
 EFFORT = ("current", "tau_motor")
 NOISY = (*EFFORT, "force", "moment", "reflector", "gas_pressure")  # no instrument repeats itself to the last digit
 MEASURED = tuple(channel.quantity for channel in CHANNELS if channel.role == "measured")
-AT_EXTREME = 5  # equal samples in a row at the largest or smallest value, which noise rarely reaches even once
+AT_EXTREME = 5  # equal samples in a row at the largest or smallest value, at least, of a channel without noise
+# derived: of noise that repeats itself that often at an extreme; once in 1000 sound sessions of 500 extremes
+BY_CHANCE = 2e-6
 ANYWHERE = 15  # equal samples in a row at another value: 0.2^14 of 1e5 samples is 2e-5 by chance (see EQUAL)
 ROUNDED = 10  # steps; nine, and rounding
 # Noise shows in efforts: outside of such stretches few neighbours are equal, and many steps go back on the one before
@@ -121,8 +123,9 @@ def _resting(sheet: Sheet, name: str, values: Array, cause: Cause) -> Iterator[F
     length, level = ends - starts, values[starts]
     travel = np.maximum.reduceat(cause.values, starts) - np.minimum.reduceat(cause.values, starts)
     step = float(np.min(np.diff(np.unique(values))))
+    many = _more_than_chance(values)
     for extreme, word in ((values.max(), "largest"), (values.min(), "smallest")):
-        at = (length >= AT_EXTREME) & (level == extreme)
+        at = (length >= many) & (level == extreme)
         at[at] = [_is_cut(values, step, start, end) for start, end in zip(starts[at], ends[at], strict=True)]
         if travel[at].sum() > cause.enough:
             message = f"rests at its {word} value {extreme:g} while {cause.name} goes on"
@@ -131,6 +134,16 @@ def _resting(sheet: Sheet, name: str, values: Array, cause: Cause) -> Iterator[F
     if inside.any():
         message = f"does not change while {cause.name} goes on"
         yield sheet.doubt(name, message, "frozen? look for lost packets", _rows(starts[inside], ends[inside]))
+
+
+def _more_than_chance(values: Array) -> int:
+    """Return how many equal samples in a row at an extreme are more than noise makes.
+
+    Where a share e of neighbours are equal, L in a row are by chance at e^(L - 1), also at the top of a short peak.
+    """
+    moving = _without_rests(values)
+    equal = (np.sum(np.diff(moving) == 0) + 1) / (len(moving) + 1)
+    return max(AT_EXTREME, 1 + int(np.ceil(np.log(BY_CHANCE) / np.log(min(equal, EQUAL)))))
 
 
 def _is_cut(values: Array, step: float, start: int, end: int) -> bool:
