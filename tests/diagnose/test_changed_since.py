@@ -62,7 +62,9 @@ def nominal(tmp_path_factory: pytest.TempPathFactory) -> CompiledRobot:
     folder = torque_robot(tmp_path_factory.mktemp("changed") / "small")
     file = folder / "small.xml"
     none = '<config key="coulomb" value="0"/>'
-    file.write_text(file.read_text().replace(f'<config key="coulomb" value="{LEVEL}"/>', none))
+    held = '<config key="coulomb" value="300"/>'  # of the joint that stands: its link is never pushed over it
+    text = file.read_text().replace(f'<config key="coulomb" value="{LEVEL}"/>', none)
+    file.write_text(text.replace(f'<config key="coulomb" value="{FRICTION[1]}"/>', held))
     small = load_robot(folder)
     known = small.figures.uncertainty.model_copy(update={"friction": STATED_FRICTION})
     return compile_robot(replace(small, figures=small.figures.model_copy(update={"uncertainty": known})))

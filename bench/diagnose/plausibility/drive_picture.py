@@ -21,7 +21,6 @@ from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
 FAR = 3.0  # declared: standard deviations of stated friction, by which there may be less
-HOLDS = 2.0  # derived: levels of friction, from one end of what a joint may hold to the other
 HELD = 0.1  # assumed: of a drive's torque limit, that friction may hold at rest; Coulomb levels are up to 9 % of it
 LEAST = 30  # declared: readings of a drive in motion, below which nothing is said of its channel
 
@@ -34,8 +33,7 @@ class DrivePicture:
         observed, model: Shape (T, n) [Nm]; observed is nan where a drive was not measured, and while it turns round.
         velocity: Shape (T, n) [rad/s].
         standing: Shape (T, n) bool, while a drive did not move.
-        slack: Shape (n,) [Nm], by how much friction at rest may be off the model's, which has it at one of its two
-            levels, those of the approach: a servo that settles takes a motor back as far as the other one.
+        slack: Shape (n,) [Nm], what friction may hold at rest.
         level: Shape (n,) [Nm], friction of the nominal model at which drives slide.
         spare: Shape (2, n) [Nm], [Nm s/rad], how much less that level and viscous friction may be.
         unit: Shape (n,), from what was read to Nm.
@@ -99,7 +97,7 @@ def drive_picture(replay: Replay) -> DrivePicture:
         model=model,
         velocity=trace.q_velocity,
         standing=standing,
-        slack=np.maximum([HELD * torque_limit(compiled, j) for j in range(shape[1])], HOLDS * level),
+        slack=np.array([HELD * torque_limit(compiled, j) for j in range(shape[1])]),
         level=level,
         spare=np.minimum(FAR * compiled.robot.figures.drive_uncertainty.friction, 1.0) * np.stack([level, viscous]),
         unit=units,
