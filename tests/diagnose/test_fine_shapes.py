@@ -41,7 +41,6 @@ def test_a_ripple_of_twelve_degrees_is_a_torque_over_a_wide_angle(
     raw[:, current] = phases
     ripple = linear.whiten(raw)
     left = [np.sum((ripple - b.columns @ np.linalg.lstsq(b.columns, ripple)[0]) ** 2) for b in over_angle]
-    print(np.array(left) / np.sum(ripple**2))
     assert min(left) < MOST_LEFT * np.sum(ripple**2)
 
 

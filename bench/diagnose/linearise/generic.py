@@ -6,7 +6,6 @@ cannot, the cause is unlisted, and the block says where it acts, on what it depe
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import chain
 
 import numpy as np
 
@@ -90,8 +89,7 @@ class Block:
 
 def blocks_of(linear: LinearisedModel) -> tuple[Block, ...]:
     """Return the blocks that a campaign can say something about; torques over the angle with both numbers of nodes."""
-    fine = (one for one in _shapes(linear, FINE_NODES) if one[0].depends_on == "angle" and one[0].kind != "gear angle")
-    shapes = chain(_shapes(linear, ANGLE_NODES), fine)
+    shapes = _shapes(linear, ANGLE_NODES, FINE_NODES)
     return tuple(block for block in _whitened(linear, shapes) if block is not None)
 
 
@@ -155,8 +153,14 @@ def hats(values: Array, nodes: Array) -> Array:
     return np.stack([np.interp(values, nodes, row) for row in np.eye(len(nodes))], axis=1)
 
 
-def _shapes(linear: LinearisedModel, angle_nodes: int) -> Iterator[tuple[Block, Array]]:
-    """Yield blocks without columns, each with its raw ones, shape (T, c, k)."""
+def _shapes(linear: LinearisedModel, angle_nodes: int, *finer: int) -> Iterator[tuple[Block, Array]]:
+    """Yield blocks without columns, each with its raw ones, shape (T, c, k).
+
+    Args:
+        linear: The campaign.
+        angle_nodes: Number of nodes over an angle.
+        finer: Others, of torques over the angle alone, that are yielded beside these.
+    """
     segments = linear.segments
     trace = linear.replay.trace(NOMINAL)
     link = np.concatenate([response.link for response in linear.responses])
@@ -184,11 +188,13 @@ def _shapes(linear: LinearisedModel, angle_nodes: int) -> Iterator[tuple[Block, 
             if not np.any(response):
                 continue
             if np.ptp(angle) > TRAVELS:
-                nodes = np.linspace(np.min(angle), np.max(angle), angle_nodes)
-                table = hats(angle, nodes)
-                yield Block(place, kind, "angle", j, unit, nodes, prior), response[:, :, None] * table[:, None, :]
+                counts = (angle_nodes,) if kind == "gear angle" else (angle_nodes, *finer)
+                for nodes in (np.linspace(np.min(angle), np.max(angle), count) for count in counts):
+                    table = hats(angle, nodes)
+                    yield Block(place, kind, "angle", j, unit, nodes, prior), response[:, :, None] * table[:, None, :]
                 if kind != "gear angle" and np.any(way > 0) and np.any(way < 0):
-                    directed = table * way[:, None]
+                    nodes = np.linspace(np.min(angle), np.max(angle), angle_nodes)
+                    directed = hats(angle, nodes) * way[:, None]
                     yield (
                         Block(place, kind, "angle and direction", j, unit, nodes, prior),
                         response[:, :, None] * directed[:, None, :],

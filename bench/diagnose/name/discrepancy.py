@@ -42,6 +42,7 @@ from bench.effects.learned_torques import (
 )
 from bench.errors import NOT_SIMULATED
 from bench.record.campaign import Array
+from bench.robot.counterbalance import Counterbalance
 
 OVER = {"angle": "rad", "angle and direction": "rad", "speed": "rad/s", "load": "Nm"}
 ANGLE_NODES = (9, 17, 33)  # effort: tried over an angle; each has those of the one before
@@ -204,11 +205,8 @@ def effect_of(linear: LinearisedModel, block: Block) -> Learned | None:
     A friction of the link that depends on the load in any way is such a thing; on the motor's side it is a reading.
     """
     compiled = linear.replay.compiled
-    if block.kind == "reading" and compiled.counterbalance and block.depends_on == "angle and direction":
-        stuck = values_at(block.nodes, OVER[block.depends_on], block.unit, block.prior)
-        return LearnedStick(stuck, block.nodes, compiled.counterbalance.joint)
     if block.kind == "reading":
-        return _of_reading(block)
+        return _of_reading(block, compiled.counterbalance)
     over, unit = OVER[block.depends_on], block.unit
     if compiled.is_slide[block.drive]:
         over, unit = (words.replace("rad", "m").replace("Nm", "N") for words in (over, unit))
@@ -234,7 +232,10 @@ def effect_of(linear: LinearisedModel, block: Block) -> Learned | None:
     return None
 
 
-def _of_reading(block: Block) -> Learned:
+def _of_reading(block: Block, counterbalance: Counterbalance | None) -> Learned:
+    if counterbalance and block.depends_on == "angle and direction":
+        stuck = values_at(block.nodes, OVER[block.depends_on], block.unit, block.prior)
+        return LearnedStick(stuck, block.nodes, counterbalance.joint)
     known = {"load": OF_READING, "place": IN_ROOM, "time": IN_TIME, "force": UNDER_FORCE}[block.depends_on]
     names = [known[i] for i in block.functions]
     values = values_of(names, [name.replace("_", " ") for name in names], block.unit, block.prior)
