@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from bench.identify.dynamics.held_out import SAME, Problems, hold_out, missed
 from bench.identify.dynamics.normal import Weighed, normal_of, width_errors
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.presliding import late, likeliest_travel
-from bench.identify.dynamics.prior import Prior, prior_of, weighed
+from bench.identify.dynamics.prior import Prior, Widths, prior_of, weighed
 from bench.identify.dynamics.rival import Rival, rival_of
 from bench.identify.dynamics.rows import DriveRows, rows_of
 from bench.identify.dynamics.samples import motion_samples
@@ -68,16 +69,17 @@ def first_pass(
         bodies = _bodies(layout, arm, prior, found, nominal)
         return found_arm(nominal, arm, layout, _existing(bodies, found, prior))
 
-    rubbing = existing(solve(rows, prior, band.cutoff_hz, np.ones(layout.n), find_delay))
+    def solved(parts: Sequence[Equations], *, find_delay: bool = find_delay, begin: Widths | None = None) -> Solution:
+        given = rows_of(parts, layout, band, arm, nominal), prior, band.cutoff_hz, np.ones(layout.n)
+        return solve(*given, find_delay, begin=begin)
+
+    rubbing = existing(solved(stretches))
     stretches = loaded(stretches, rubbing, band)
     rows = rows_of(stretches, layout, band, arm, nominal)
     solution, beside = with_its_delay(rows, prior, band, folds, find_delay=find_delay)
 
-    def solved(parts: Sequence[Equations]) -> Solution:
-        given = rows_of(parts, layout, band, arm, nominal), prior, band.cutoff_hz, np.ones(layout.n)
-        return solve(*given, find_delay=solution.delay != 0, begin=solution.widths)
-
-    travel = likeliest_travel(stretches, layout, prior, band, solution, solved)
+    about_it = partial(solved, find_delay=solution.delay != 0, begin=solution.widths)
+    travel = likeliest_travel(stretches, layout, prior, band, solution, about_it)
     late_stretches = late(stretches, travel, band)
     late_rows = rows_of(late_stretches, layout, band, arm, nominal)
     asked = turning_late(_with_rows(solution, late_rows, layout.size), prior)
@@ -88,8 +90,7 @@ def first_pass(
     stretches, rows = late_stretches, late_rows
 
     def softness(parts: Sequence[Equations]) -> Array:
-        given = rows_of(parts, layout, band, arm, nominal), prior, band.cutoff_hz, np.ones(layout.n)
-        return solve(*given, find_delay).parameters[layout.softness]
+        return solved(parts).parameters[layout.softness]
 
     bending, bent_stretches = _winding_forwards(bending_of(existing(solution)), stretches, band, softness)
     bent_rows = rows_of(bent_stretches, layout, band, arm, nominal)
