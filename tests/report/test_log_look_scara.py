@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from bench.identify.drive_scale import drive_scale
+from bench.record.look.families import Family
 from bench.record.look.values import evenly
 from bench.report.log_look.look import look
+from bench.report.log_look.scaled import scaled
 from bench.robot.nominal_dynamics import NominalDynamics
 from tests import scara
 from tests.report.proposals import proposed
@@ -86,3 +88,33 @@ def test_mirrored_axes_are_said_where_nothing_is_turned(tmp_path: Path, robot: N
     assert "count the other way round" not in text
     (told,) = re.findall(r"the direction of (.*) is not told by torques \(an arm and its mirror image", text)
     assert {"J1", "J2"} <= set(told.split(", "))
+
+
+def test_degrees_and_millimetres_side_by_side(tmp_path: Path, robot: NominalDynamics) -> None:
+    """Command and angle of the first two drives were taken for the angles of all four."""
+    log = scara.moved(np.random.default_rng(4), scara.BESIDE)
+    to_logged = np.array([180 / np.pi, 180 / np.pi, 1e3, 180 / np.pi])
+    units, columns = ["Grad", "Grad", "mm", "Grad"], [log.time]
+    for j, factor in enumerate(to_logged):
+        columns += [factor * np.roll(log.position[:, j], -1), factor * log.position[:, j], log.current[:, j]]
+    names = [f"{q}_J{j}_{u}" for j, unit in enumerate(units, 1) for q, u in (("Soll", unit), ("Ist", unit), ("I", "A"))]
+    file = tmp_path / "x.csv"
+    np.savetxt(
+        file, np.column_stack(columns), delimiter=";", header=";".join(["Zeit", *names]), comments="", fmt="%.6f"
+    )
+    form = proposed(tmp_path, look(file, nominal=robot).text)
+    ends = ["rad", "rad", "m", "rad"]
+    for j, (unit, end) in enumerate(zip(units, ends, strict=True), 1):
+        assert form.columns[f"q_cmd_{j}_{end}"].source == f"Soll_J{j}_{unit}"
+        assert form.columns[f"q_motor_{j}_{end}"].source == f"Ist_J{j}_{unit}"
+        assert form.columns[f"q_motor_{j}_{end}"].factor == pytest.approx(1 / to_logged[j - 1])
+
+
+def test_a_current_whose_sign_is_not_told_is_not_turned(robot: NominalDynamics) -> None:
+    """The last of a wrist whose motors are coupled was turned, by a factor of -0.3 +- 0.9."""
+    log = scara.moved(np.random.default_rng(4), scara.BESIDE)
+    scale = drive_scale(robot, log.time, log.position, log.current)
+    unsure = replace(scale, factor=-scale.factor, sigma=np.array([0.1, 0.1, 0.1, 3.0]))
+    lines = list(scaled(Family("current", False, ("i1", "i2", "i3", "i4"), "", ""), unsure, robot, []))
+    assert [line.factor for line in lines] == [-1, -1, -1, 1]
+    assert "does not tell its sign" in lines[-1].why

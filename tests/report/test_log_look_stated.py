@@ -159,3 +159,29 @@ def test_a_letter_stands_for_the_one_drive_that_has_no_number() -> None:
     assert (family.kind, family.sources, family.numbers) == ("current", tuple(names[:4]), (1, 2, 3, 4))
     (others,) = families_by_name([*names, "U_Strom [A]"], ("shoulder", "elbow", "lift", "roll"))
     assert others.numbers == (1, 2, 4)
+
+
+def test_the_unit_of_a_slide_is_its_own() -> None:
+    """A controller of a SCARA writes its quill in mm; of three hinges and a quill neither made a family."""
+    units = ["Grad", "Grad", "mm", "Grad"]
+    names = [f"{what}_A{j}_{unit}" for j, unit in enumerate(units, 1) for what in ("Soll", "Ist")]
+    command, measured = families_by_name([*names, "M_A1_N", "M_A1_Nm"], ("A1", "A2", "A3", "A4"))[:2]
+    assert (command.kind, command.is_command, command.sources) == ("position", True, tuple(names[::2]))
+    assert (measured.kind, measured.is_command, measured.sources) == ("position", False, tuple(names[1::2]))
+    assert command.numbers == measured.numbers == (1, 2, 3, 4)
+
+
+def test_a_family_has_each_drive_once() -> None:
+    both = families_by_name(["q1_deg", "q2_deg", "q1_rad", "q2_rad"], ())
+    assert [family.sources for family in both] == [("q1_deg", "q2_deg"), ("q1_rad", "q2_rad")]
+
+
+def test_a_joint_called_x_is_not_looked_for_within_words() -> None:
+    """The x of "Axis" was the joint, so X and Z were two families of one drive each."""
+    names = [f"Axis_{joint}.{what}" for joint in "XZ" for what in ("SetPos [mm]", "ActVelo [mm/s]", "ActPos [mm]")]
+    found = families_by_name(names, ("X", "Z"))
+    assert [(f.kind, f.is_command, f.numbers) for f in found] == [
+        ("position", True, (1, 2)),
+        ("velocity", False, (1, 2)),
+        ("position", False, (1, 2)),
+    ]

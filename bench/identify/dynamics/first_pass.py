@@ -78,14 +78,24 @@ def first_pass(
     rows = rows_of(stretches, layout, band, arm, nominal)
     solution, beside = with_its_delay(rows, prior, band, folds, find_delay=find_delay)
 
-    about_it = partial(solved, find_delay=solution.delay != 0, begin=solution.widths)
-    travel = likeliest_travel(stretches, layout, prior, band, solution, about_it)
-    late_stretches = late(stretches, travel, band)
-    late_rows = rows_of(late_stretches, layout, band, arm, nominal)
+    def turning_about(find_delay: bool) -> tuple[Array, tuple[Equations, ...], tuple[DriveRows, ...]]:
+        about_it = partial(solved, find_delay=find_delay, begin=solution.widths)
+        travel = likeliest_travel(stretches, layout, prior, band, solution, about_it)
+        late_stretches = late(stretches, travel, band)
+        return travel, late_stretches, rows_of(late_stretches, layout, band, arm, nominal)
+
+    travel, late_stretches, late_rows = turning_about(solution.delay != 0)
     asked = turning_late(_with_rows(solution, late_rows, layout.size), prior)
     if turns_late := asked != solution.widths:
         turning, beside_turning = with_its_delay(late_rows, prior, band, folds, find_delay=find_delay, turns_late=True)
         if turns_late := beside_turning.surely_less_than(beside):
+            if bool(turning.delay) != bool(
+                solution.delay
+            ):  # late friction was a delay, and travels were found about it
+                travel, late_stretches, late_rows = turning_about(turning.delay != 0)
+                turning, beside_turning = with_its_delay(
+                    late_rows, prior, band, folds, find_delay=turning.delay != 0, turns_late=True
+                )
             solution, beside = turning, beside_turning
     stretches, rows = late_stretches, late_rows
 

@@ -86,14 +86,24 @@ class Missed:
         gain = self.readings / 2 * np.log(ratio)
         if len(gain) < 2:
             return False
-        suffers = (ours > SAME**2 * others) & (_surely_positive(-gain) | (ours > worse**2 * others))
-        return bool(not np.any(suffers) and _surely_positive(gain.sum(axis=1, keepdims=True))[0])
+        suffers = (ours > SAME**2 * others) & (surely_positive(-gain) | (ours > worse**2 * others))
+        return bool(not np.any(suffers) and surely_positive(gain.sum(axis=1, keepdims=True))[0])
 
 
-def _surely_positive(values: Array) -> NDArray[np.bool_]:
-    """Return whether the means of columns over folds, shape (K, n), are above zero by more than folds differ, (n,)."""
-    least = stats.t.ppf(SURE, len(values) - 1) * values.std(axis=0, ddof=1) / np.sqrt(len(values))
-    return np.asarray(values.mean(axis=0) > least)
+def surely_positive(gain: Array) -> NDArray[np.bool_]:
+    """Return which log likelihood ratios are above zero by more than folds differ, shape (n,).
+
+    Their signed roots are compared, which are nearly normal, as the signed root of a deviance is (P. McCullagh,
+    J. A. Nelder, "Generalized Linear Models", 1989, 2.4.2). The ratios themselves are skewed, for a fold in which all
+    drives move tells a hundred times what another one does: of gains of 16, 26, 40, 94 and 505 the last made the others
+    unsure.
+
+    Args:
+        gain: Shape (K, n) [nats], of each fold; K of 2 or more.
+    """
+    root = np.sign(gain) * np.sqrt(np.abs(gain))
+    least = stats.t.ppf(SURE, len(root) - 1) * root.std(axis=0, ddof=1) / np.sqrt(len(root))
+    return np.asarray(root.mean(axis=0) > least)
 
 
 def missed(solution: Solution, prior: Prior, folds: Folds) -> Missed:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 
 from bench.record.look.families import Family, Kind
 from bench.record.units import FOREIGN
@@ -11,7 +12,7 @@ COMMANDED = {"target", "cmd", "command", "commanded", "des", "desired", "set", "
 WORDS: tuple[tuple[Kind, frozenset[str]], ...] = (
     ("temperature", frozenset({"temp", "temps", "temperature", "temperatures"})),
     ("acceleration", frozenset({"qdd", "ddq", "acc", "accel", "acceleration"})),
-    ("velocity", frozenset({"qd", "dq", "vel", "velocity", "velocities", "speed", "qdot", "omega"})),
+    ("velocity", frozenset({"qd", "dq", "vel", "velo", "velocity", "velocities", "speed", "qdot", "omega"})),
     ("current", frozenset({"current", "currents", "curr", "cur", "amp", "amps", "i", "iq", "strom"})),
     ("torque", frozenset({"torque", "torques", "tau", "effort", "trq", "moment", "drehmoment"})),
     ("link", frozenset({"link", "secondary", "abtrieb"})),
@@ -30,6 +31,7 @@ BY_UNIT: dict[str, Kind] = {"a": "current", "nm": "torque", "n": "torque", "rad"
 ANGLES = {unit for unit, foreign in FOREIGN.items() if foreign.si == "rad"} | {"rad"}
 LISTS = {"position", "velocity", "effort"}  # of a JointState, with the names of joints behind a dot
 _INDEX = re.compile(r"\d+")
+_UNIT_AT_END = re.compile(r"(?:[_\s.]|[\[(])([A-Za-z°]+)[\])]?$")
 
 
 def clocks(names: Sequence[str]) -> list[str]:
@@ -40,7 +42,7 @@ def clocks(names: Sequence[str]) -> list[str]:
 
 def unit_of(name: str) -> str:
     """Return the unit at the end of a name, in lower case; "" if there is none that is known."""
-    end = re.search(r"(?:[_\s.]|[\[(])([A-Za-z°]+)[\])]?$", name)
+    end = _UNIT_AT_END.search(name)
     word = end[1].lower() if end else ""
     word = WORDS_OF_UNITS.get(word, word)
     return word if word in FOREIGN or word in SI else ""
@@ -63,7 +65,7 @@ def families_by_name(names: Sequence[str], joints: Sequence[str]) -> list[Family
             others.append(name)
         else:
             groups.setdefault(stem, []).append((number, name))
-    found = []
+    found: dict[str, list[Family]] = {}
     first = min((number for members in groups.values() for number, _ in members), default=1)  # 0 or 1
     for stem, members in groups.items():
         members += _lettered(stem, members, others, range(first, first + len(joints)))
@@ -79,8 +81,31 @@ def families_by_name(names: Sequence[str], joints: Sequence[str]) -> list[Family
         numbers = numbers if len(set(numbers)) == len(numbers) else ()  # no numbers: in the order of the log
         sources = tuple(name for _, name in ordered)
         why = "by name" if by_word else f"unit {unit} in its name" if kind != "unknown" else "moves with the robot"
-        found.append(Family(kind, bool(COMMANDED & set(words)), sources, unit, why, numbers))
-    return found
+        family = Family(kind, bool(COMMANDED & set(words)), sources, unit, why, numbers)
+        bare = stem if not unit else _UNIT_AT_END.sub("", stem)
+        alike = found.setdefault(bare, [])
+        other = next((k for k, one in enumerate(alike) if _are_one(one, family)), None)
+        if other is None:
+            alike.append(family)
+        else:
+            alike[other] = _joined(alike[other], family)
+    return [family for alike in found.values() for family in alike]
+
+
+def _are_one(one: Family, other: Family) -> bool:
+    """Return whether two families are one whose slides have another unit than its hinges: "A2 [deg]", "A3 [mm]"."""
+    factors = [FOREIGN[f.unit].factor if f.unit in FOREIGN else 1.0 for f in (one, other)]
+    return (
+        (one.kind, one.is_command) == (other.kind, other.is_command)
+        and not set(one.numbers) & set(other.numbers)
+        and (one.kind not in ("torque", "current") or factors[0] == factors[1])
+    )
+
+
+def _joined(one: Family, other: Family) -> Family:
+    pairs = [*zip(one.numbers, one.sources, strict=True), *zip(other.numbers, other.sources, strict=True)]
+    numbers, sources = zip(*sorted(pairs), strict=True)
+    return replace(one, numbers=numbers, sources=sources)
 
 
 def _lettered(
@@ -103,11 +128,10 @@ def _fits(kind: Kind, unit: str, by_unit: Kind) -> bool:
 def _stem(name: str, joints: Sequence[str]) -> tuple[str, int | None]:
     """Return a name without what tells the drive, and the drive's number; None if nothing tells it."""
     for number, joint in enumerate(joints):
-        if joint and re.search(rf"(?<![A-Za-z0-9]){re.escape(joint)}(?![A-Za-z0-9])", name, re.IGNORECASE):
-            return re.sub(re.escape(joint), "*", name, count=1, flags=re.IGNORECASE), number
-    found = list(_INDEX.finditer(name))
-    if found:
-        last = found[-1]
+        if joint and (found := re.search(rf"(?<![A-Za-z0-9]){re.escape(joint)}(?![A-Za-z0-9])", name, re.IGNORECASE)):
+            return f"{name[: found.start()]}*{name[found.end() :]}", number
+    if digits := list(_INDEX.finditer(name)):
+        last = digits[-1]
         return f"{name[: last.start()]}*{name[last.end() :]}", int(last[0])
     before, dot, _ = name.rpartition(".")
     return (f"{before}.*", 0) if dot and before in LISTS else (name, None)  # in the order of the log

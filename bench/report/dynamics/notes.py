@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.identify.dynamics.coupled import coupled_motors
 from bench.identify.dynamics.found import FirstPass, Torques
 from bench.identify.dynamics.held_out import HeldOut
 from bench.identify.dynamics.prior import WIDER
@@ -25,6 +26,12 @@ def notes_of(found: FirstPass, predicted: Mapping[Path, Torques]) -> Iterator[st
     for folder, torques in predicted.items():
         yield from rivals_notes(found.joints, str(folder), torques)
     yield from warming_notes(warming_of(found))
+    for one in coupled_motors(found):
+        yield (
+            f"The motor of {one.joint} seems to turn with {one.other} as well, {one.ratio:.2f} times to one with its "
+            f"own: its friction then explains {one.explained:.0%} of what is left of {one.joint}. Motors that turn "
+            f"with two joints are not modelled, so friction, rotors and masses of both may be wrong by it."
+        )
     if found.folds.repeats:
         yield f"{REPETITION}; give one with --held-out."
     for joint, noise in zip(found.joints, found.solution.noise, strict=True):

@@ -8,7 +8,7 @@ import numpy as np
 from bench.record.campaign import Array
 from bench.record.channels import parse_column
 from bench.record.look.families import Family
-from bench.record.look.names import words_of
+from bench.record.look.names import unit_of, words_of
 from bench.record.turns import as_offset, in_words
 from bench.record.units import FOREIGN
 from bench.record.yaml_text import in_quotes
@@ -99,12 +99,13 @@ def _family_lines(
     pairs = list(zip(family.numbers, family.sources, strict=True))
     slides = {number for number, _ in pairs if nominal is not None and not nominal.bodies.is_hinge[number - 1]}
     hinges = [(number, source) for number, source in pairs if number not in slides]
-    turning = replace(family, sources=tuple(s for _, s in hinges), numbers=tuple(n for n, _ in hinges))
+    unit = unit_of(hinges[0][1]) if hinges and family.unit else ""  # slides may have another
+    turning = replace(family, unit=unit, sources=tuple(s for _, s in hinges), numbers=tuple(n for n, _ in hinges))
     read = angle_unit(turning, columns, reach[[n - 1 for n, _ in hinges]], nominal is not None) if hinges else None
     turns = turns_of(turning, columns, nominal) if nominal is not None else {}
     for number, source in pairs:
         if number in slides or read is None:
-            factor, why = _slide_unit(family, columns[source])
+            factor, why = _slide_unit(unit_of(source) if family.unit else "", columns[source])
             line = Line(f"{quantity}_{number}_m", source, factor, 0.0, why)
         else:
             side: Side = read.side if np.any(columns[source]) else "joint"  # of a zero nobody needs a factor
@@ -118,12 +119,12 @@ def _family_lines(
             yield replace(line, turns=turns.get(number))
 
 
-def _slide_unit(family: Family, values: Array) -> tuple[float, str]:
+def _slide_unit(unit: str, values: Array) -> tuple[float, str]:
     """Return the factor of a slide's position to m, and why."""
-    foreign = FOREIGN.get(family.unit)
+    foreign = FOREIGN.get(unit)
     if foreign and foreign.si == "m":
-        return foreign.factor, f"unit {family.unit} in its name"
-    if family.unit == "m":
+        return foreign.factor, f"unit {unit} in its name"
+    if unit == "m":
         return 1.0, "unit m in its name"
     largest = float(np.max(np.abs(values)))
     if largest > MAX_TRAVEL:

@@ -103,8 +103,9 @@ def _of_delay_and_payload(family: Family, scale: DriveScale, nominal: NominalDyn
 
 def _currents(family: Family, scale: DriveScale) -> Iterator[Line]:
     for number, source, k in _each(family):
-        sign = -1.0 if scale.factor[k] < 0 else 1.0
+        sign = _sign(scale, k)
         direction = "turned, it counts against the model's torque" if sign < 0 else "sign as the model has it"
+        direction = direction if _is_told(scale, k) else "this log does not tell its sign"
         why = f"{_explained(scale, k)}; {direction}{_unit(family)}"
         yield Line(f"current_{number}_a", source, sign * si_factor(family), 0.0, why)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.identify.dynamics.held_out import MUCH, Missed
+from bench.identify.dynamics.held_out import MUCH, Missed, surely_positive
 
 READINGS = np.full((2, 3), 1000.0)
 
@@ -31,3 +31,19 @@ def test_a_drive_that_chance_makes_worse_does_not_forbid_what_all_others_ask_for
     """
     assert new.surely_less_than(missed(1.0, 1.0, 1.0)) is is_better
     assert MUCH**2 * 2 < 1.4**2 + 0.95**2
+
+
+@pytest.mark.parametrize(
+    ("gain", "is_sure"),
+    [
+        ([16.0, 26.0, 40.0, 94.0, 505.0], True),  # each run asks for a delay, and the one that moves both slides most
+        ([1.0, -1.0, 2.0, -2.0, 505.0], False),  # one run alone
+        ([50.0, 50.0, 50.0, 50.0, -195.0], False),
+    ],
+)
+def test_a_run_that_tells_much_more_does_not_make_the_others_unsure(gain: list[float], is_sure: bool) -> None:
+    """On a stranger's gantry a delay that left a third of an axis was refused, and its friction came out a third off.
+
+    Of whose viscous friction 35 +- 4 N s/m was found beside 21 of rolling friction; 52 is right, and none rolls.
+    """
+    assert surely_positive(np.array(gain)[:, None])[0] == is_sure
