@@ -89,9 +89,8 @@ def first_pass(
     if turns_late := asked != solution.widths:
         turning, beside_turning = with_its_delay(late_rows, prior, band, folds, find_delay=find_delay, turns_late=True)
         if turns_late := beside_turning.surely_less_than(beside):
-            if bool(turning.delay) != bool(
-                solution.delay
-            ):  # late friction was a delay, and travels were found about it
+            # late friction may have been a delay, about which its travels were found
+            if (turning.delay != 0) != (solution.delay != 0):
                 travel, late_stretches, late_rows = turning_about(turning.delay != 0)
                 turning, beside_turning = with_its_delay(
                     late_rows, prior, band, folds, find_delay=turning.delay != 0, turns_late=True
