@@ -51,6 +51,7 @@ class Change:
         since: Name of the recording with which it sets in.
         advice: What to look at; "" where the title says that.
         nonlinearity: Share of what it changes by simulation that the linearised model misses; nan where not simulated.
+        along: What else of its place may have changed by as large a share, which its intervals count.
     """
 
     effect: str
@@ -63,6 +64,7 @@ class Change:
     since: str
     advice: str = ""
     nonlinearity: float = float("nan")
+    along: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

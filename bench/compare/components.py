@@ -1,6 +1,7 @@
 """Every parameter of every cause of the machine over the recordings, with what would have been found of it."""
 
 import itertools
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 from bench.compare.background import Background
 from bench.compare.comparison import Component, Interval
 from bench.compare.explain import interval_of
+from bench.compare.moved_along import averaged, moved_along
 from bench.compare.search_changes import Found, priors_of
 from bench.diagnose.linearise.candidates import Candidate, Cause, shape_grid
 from bench.diagnose.linearise.limits import smallest_found
@@ -16,11 +18,30 @@ from bench.diagnose.linearise.screening import Entry
 from bench.record.campaign import Array
 
 
+@dataclass(frozen=True, eq=False)
+class _Beside:
+    """What a component is fitted beside: other changes, and with some probability what may have moved along."""
+
+    alone: Marginal
+    along: Marginal | None = None
+    probability: float = 0.0
+
+    def sizes(self, columns: Array, prior: Array) -> tuple[Array, Array]:
+        """Return the sizes of some columns and their standard deviations, shape (k,) each."""
+        known = [one.sizes(columns, prior) for one in (self.alone, self.along or self.alone)]
+        (mean, covariance), (other, beside) = known
+        return averaged((mean, other), (_sigma(covariance), _sigma(beside)), self.probability)
+
+
+def _sigma(covariance: Array) -> Array:
+    return np.asarray(np.sqrt(np.diag(covariance)), dtype=np.float64)
+
+
 def components_of(background: Background, found: Found, n_before: int) -> tuple[Component, ...]:
     """Return every component, those that are named first, then by how small a part of its range would have been found.
 
     The value of a component in a recording is fitted beside all other changes of the likeliest explanation that it is
-    part of; one that is part of none, beside those of the likeliest.
+    part of, and what may have moved along; one that is part of none, beside the changes of the likeliest.
 
     Args:
         background: All recordings.
@@ -38,12 +59,16 @@ def components_of(background: Background, found: Found, n_before: int) -> tuple[
     entries = _one_shape_each(background, found, taken)
     columns = np.concatenate([entry.columns for entry in entries]).astype(np.intp)
     count = len(background.joint.recordings)
+    along = {terms: moved_along(background, found, terms) for terms in near}
     own = [background.acting(found.possible[i].entry.columns, found.possible[i].profile.weights) for i in acting]
+    own += [one.columns for one in along.values()]
     each = [background.acting(columns, np.eye(count)[k]) for k in range(n_before, count)]
     every = background.nuisances.products(background.white, Columns(np.concatenate([*own, *each], axis=1)))
     edges = np.cumsum([0, *(len(found.possible[i].prior) for i in acting)])
     places = {i: np.arange(a, b) for i, (a, b) in zip(acting, itertools.pairwise(edges), strict=True)}
-    beside: dict[object, Marginal] = {}
+    edges = int(edges[-1]) + np.cumsum([0, *(len(one.prior) for one in along.values())])
+    moving = {terms: np.arange(a, b) for terms, (a, b) in zip(along, itertools.pairwise(edges), strict=True)}
+    beside: dict[object, _Beside] = {}
     components: list[Component] = []
     start = int(edges[-1])
     for entry in entries:
@@ -51,10 +76,16 @@ def components_of(background: Background, found: Found, n_before: int) -> tuple[
         assert cause
         key = cause.key if cause.key in taken else None
         if key not in beside:
-            others = [i for i in explanation.get(key, near[0] if near else ()) if found.possible[i].key != key]
+            whole = explanation.get(key, near[0] if near else ())
+            others = [i for i in whole if found.possible[i].key != key]
             indices = np.concatenate([np.empty(0, dtype=np.intp), *(places[i] for i in others)])
             prior = np.concatenate([np.empty(0), *(found.possible[i].prior for i in others)])
-            beside[key] = every.given(indices, prior)
+            beside[key] = _Beside(every.given(indices, prior))
+            if key is not None:
+                indices, prior = np.append(indices, moving[whole]), np.append(prior, along[whole].prior)
+                beside[key] = replace(
+                    beside[key], along=every.given(indices, prior), probability=along[whole].probability
+                )
         which = start + np.arange(len(entry.columns))
         start += len(entry.columns)
         steps = [which + k * len(columns) for k in range(count - n_before)]
@@ -84,11 +115,10 @@ def _known(information: Array, entry: Entry) -> float:
     return float(information[entry.columns[0]] * entry.priors[0][0][0] ** 2)
 
 
-def _values(marginal: Marginal, entry: Entry, steps: list[NDArray[np.intp]]) -> list[list[Interval]]:
+def _values(beside: _Beside, entry: Entry, steps: list[NDArray[np.intp]]) -> list[list[Interval]]:
     """Return for each size its change in every recording after."""
     prior, k = entry.priors[0][0], len(entry.columns)
-    mean, covariance = marginal.sizes(np.concatenate(steps), np.tile(prior, len(steps)))
-    sigma = np.sqrt(np.diag(covariance))
+    mean, sigma = beside.sizes(np.concatenate(steps), np.tile(prior, len(steps)))
     what = entry.what
     assert isinstance(what, Candidate)
     return [

@@ -13,8 +13,9 @@ from bench.compare.comparison import (
     PossibleName,
 )
 from bench.compare.fit_large import departure, large_change
-from bench.compare.search_changes import Found, Possible, sizes_of
-from bench.diagnose.linearise.candidates import Candidate
+from bench.compare.moved_along import moved_along
+from bench.compare.search_changes import Found, Possible
+from bench.diagnose.linearise.candidates import Candidate, Cause
 from bench.diagnose.name.groups import groups_of
 from bench.record.campaign import Array
 
@@ -32,12 +33,12 @@ def explanations_of(background: Background, found: Found) -> tuple[Explanation, 
         if not alternative.keys:
             continue
         terms = alternative.best.terms
-        mean, sigma = sizes_of(found, terms)
+        along = moved_along(background, found, terms)
         changes, start = [], 0
-        for term in terms:
+        for term, others in zip(terms, along.causes, strict=True):
             possible = found.possible[term]
             stop = start + len(possible.prior)
-            changes.append(_change(background, possible, mean[start:stop], sigma[start:stop]))
+            changes.append(_change(background, possible, along.mean[start:stop], along.sigma[start:stop], others))
             start = stop
         explanations.append(Explanation(tuple(changes), found.probability[i], alternative.log_posterior))
     return tuple(explanations)
@@ -77,7 +78,7 @@ def advice_of(possible: Possible) -> str:
     return possible.entry.cause.effect.advice or (NONE_TO_LOSE if np.any(possible.sign < 0) else "")
 
 
-def _change(background: Background, possible: Possible, mean: Array, sigma: Array) -> Change:
+def _change(background: Background, possible: Possible, mean: Array, sigma: Array, along: tuple[Cause, ...]) -> Change:
     candidate = possible.entry.what
     assert isinstance(candidate, Candidate)
     cause, profile = candidate.cause, possible.profile
@@ -96,6 +97,7 @@ def _change(background: Background, possible: Possible, mean: Array, sigma: Arra
         since=background.joint.recordings[profile.since].name,
         advice=advice_of(possible),
         nonlinearity=_nonlinearity(background, possible, mean),
+        along=tuple(one.effect.title for one in along),
     )
 
 

@@ -140,6 +140,8 @@ class Effect(ABC):
         motion: Which motion shows it where a campaign does not, in words; "" where that depends.
         depends_on_conditions: Whether its `edit` is another one at other temperatures.
         covers: Names of effects that say a part of it: where it is found, these are not unseen.
+        moves_with: Names of effects at the same place that what moves this one may move by as large a share. Its first
+            parameter is a share of a level that the model has then; so is that of those among them that say the same.
         is_additive: Whether its `torques` are the same where the effect acts already; those of an effect that scales a
             figure grow with that figure.
     """
@@ -160,6 +162,7 @@ class Effect(ABC):
     depends_on_conditions: ClassVar[bool] = False
     is_additive: ClassVar[bool] = False
     covers: ClassVar[tuple[str, ...]] = ()
+    moves_with: ClassVar[tuple[str, ...]] = ()
 
     def __init_subclass__(cls) -> None:
         """Let a class with another `edit` than its base not inherit what that said of torques."""

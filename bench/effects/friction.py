@@ -18,6 +18,8 @@ BITTENCOURT = (
     "Bittencourt and Gunnarsson, Static friction in a robot joint: modeling and identification of load and "
     "temperature effects, 2012"
 )
+# Wear, preload and lubricant act on all friction of a drive (Bittencourt and Gunnarsson, 2012)
+ALL_OF_A_DRIVE = ("coulomb_level", "viscous_level", "rolling_level", "stribeck", "load_friction")
 
 
 class OnFriction(OnDrive):
@@ -41,6 +43,7 @@ class CoulombLevel(WithCoulomb):
     physics = "Preload, wear and lubricant set the level of dry friction: both sides' levels become (1 + x) f_C."
     source = f"{BITTENCOURT}; range: spread between units and over life, assumed"
     parameters = (Parameter("change", "", 0.0, 0.1, 0.6, "of the level, relative", signed=True, least=-1.0),)
+    moves_with = ALL_OF_A_DRIVE
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         change = values["change"]

@@ -9,7 +9,15 @@ import numpy as np
 from bench.actuators.laws import ROLLING_POWER
 from bench.effects.effect import REFERENCE_K, Conditions, Parameter, Place, Values
 from bench.effects.followed import Followed, Torques
-from bench.effects.friction import ARMSTRONG, BITTENCOURT, OnFriction, WithCoulomb, scaled_friction, with_coulomb
+from bench.effects.friction import (
+    ALL_OF_A_DRIVE,
+    ARMSTRONG,
+    BITTENCOURT,
+    OnFriction,
+    WithCoulomb,
+    scaled_friction,
+    with_coulomb,
+)
 from bench.effects.friction_elements import give_side, rolling, scale_coulomb, scale_rolling
 from bench.effects.places import drive_of, drives
 from bench.robot.compiled import CompiledRobot, SpecEdit
@@ -26,6 +34,7 @@ class Viscous(OnFriction):
     physics = "Shear of the lubricant opposes motion in proportion to speed, f = (1 + x) f_v v on the motor side."
     source = f"{BITTENCOURT}; range: lubricant and filling, assumed"
     parameters = (Parameter("change", "", 0.0, 0.1, 0.8, "of the coefficient, relative", signed=True, least=-1.0),)
+    moves_with = ALL_OF_A_DRIVE
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
         return tuple(place for place in drives(compiled) if viscous(compiled)[place.index] > 0)
@@ -76,6 +85,7 @@ class RollingLevel(OnFriction):
     physics = "The lubricant between rolling parts opposes motion with (1 + x) r |v|^(2/3) on the motor side."
     source = f"{PALMGREN}; range: as of viscous friction, assumed"
     parameters = (Parameter("change", "", 0.0, 0.1, 0.8, "of rolling friction, relative", signed=True, least=-1.0),)
+    moves_with = ALL_OF_A_DRIVE
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
         return with_rolling(compiled)

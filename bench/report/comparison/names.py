@@ -1,11 +1,13 @@
 """How changes and their sizes are called on the page and on the terminal."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from bench.compare.comparison import (
     Change,
+    ChangedFinding,
     ChangedSize,
     Comparison,
     Component,
@@ -15,7 +17,7 @@ from bench.compare.comparison import (
 )
 from bench.effects.effect import Level
 from bench.report.diagnosis.names import ACTS, channel_name, places_text
-from bench.report.diagnosis.numbers import shown, unit_name
+from bench.report.diagnosis.numbers import percent, shown, unit_name
 
 NOT_THE_MACHINES: Mapping[Level, str] = {  # what a change of another level than the machine's is
     "recording": "an error of the recording, not of the machine",
@@ -41,15 +43,65 @@ def together(names: Sequence[PossibleName]) -> list[str]:
     ]
 
 
+@dataclass(frozen=True)
+class NameTold:
+    """One of the causes that may be behind a change, as it is shown.
+
+    Attributes:
+        name: With its place.
+        amount: By how much, "" where no explanation has it.
+        when: Since when; "" with one recording after only.
+        probability: That it changed, in words.
+        remark: What to look at, or what it is if no change of the machine; "" for nothing.
+    """
+
+    name: str
+    amount: str
+    when: str
+    probability: str
+    remark: str
+
+    def __str__(self) -> str:
+        whole = ", ".join(part for part in (self.name, self.amount, self.when) if part)
+        return f"{whole} ({self.probability})"
+
+
+def names_told(finding: ChangedFinding, comparison: Comparison) -> list[NameTold]:
+    """Return the causes that may be behind a change, with sizes as of the likeliest explanation that has them."""
+    told = []
+    for name in finding.names:
+        key, title = (name.effect, name.place), title_of(name.title, name.place)
+        changes = (change for explanation in comparison.explanations for change in explanation.changes)
+        change = next((one for one in changes if (one.effect, one.place) == key), None)
+        amount, when, remark = "", "", ""
+        if change:
+            amount, when = amount_text(change), course_words(change, comparison)
+            remarks = f"check: {change.advice}" if change.advice else "", NOT_THE_MACHINES.get(change.level, "")
+            remark = "; ".join(part for part in remarks if part)
+        told.append(NameTold(title, amount, when, percent(name.probability), remark))
+    return told
+
+
 def change_name(change: Change) -> str:
     """Return what changed and where."""
     return title_of(change.title, change.place)
 
 
+def size_name(size: ChangedSize) -> str:
+    """Return the name of a size in words."""
+    return size.name.replace("_", " ")
+
+
 def size_text(size: ChangedSize) -> str:
     """Return by how much a parameter changed: "change +1.9 % (90 % interval 1.7 to 2.1)"."""
-    words = f"{size.name.replace('_', ' ')} {interval_text(size.change, size.unit)}"
+    words = f"{size_name(size)} {interval_text(size.change, size.unit)}"
     return f"{words}, {interval_text(size.per_week, size.unit)} a week" if size.per_week else words
+
+
+def amount_text(change: Change) -> str:
+    """Return by how much something changed, of several sizes each with its name."""
+    texts = [size_text(size) for size in change.sizes]
+    return "; ".join(texts) if len(texts) > 1 else texts[0].removeprefix(f"{size_name(change.sizes[0])} ")
 
 
 def interval_text(interval: Interval, unit: str) -> str:
@@ -104,6 +156,11 @@ def course_words(change: Change | UnlistedChange, comparison: Comparison) -> str
         "once": f"in {change.since} only",
         "trend": f"growing from {change.since} on",
     }[change.course]
+
+
+def along_words(change: Change) -> str:
+    """Return what else may have changed with a change; "" where nothing would."""
+    return f"its interval allows for as large a change beside it of: {'; '.join(change.along)}" if change.along else ""
 
 
 def unlisted_words(unlisted: UnlistedChange) -> str:

@@ -8,15 +8,17 @@ from bench.compare.comparison import Comparison, Component
 from bench.record.campaign import Array
 from bench.report.comparison.names import (
     NOT_THE_MACHINES,
+    along_words,
     change_name,
     course_words,
     interval_words,
     limit_words,
+    names_told,
     size_text,
     title_of,
     unit_words,
 )
-from bench.report.comparison.words import NONLINEAR, basis_sentence, drift_sentences, findings_sentences, headline
+from bench.report.comparison.words import NONLINEAR, basis_sentence, drift_sentences, headline
 from bench.report.diagnosis.names import capital, channel_name
 from bench.report.diagnosis.numbers import percent
 from bench.report.html import Filters, render
@@ -26,6 +28,7 @@ FILTERS: Filters = {
     "capital": capital,
     "percent": percent,
     "channel": channel_name,
+    "along_words": along_words,
     "change_name": change_name,
     "size_text": size_text,
 }
@@ -85,7 +88,7 @@ def page_of(comparison: Comparison, robot: str, command: str) -> str:
         command=command,
         headline=headline(comparison),
         basis=basis_sentence(comparison),
-        findings=tuple(findings_sentences(comparison)),
+        findings=[names_told(finding, comparison) for finding in comparison.findings],
         drifts=tuple(drift_sentences(comparison)),
         course=lambda change: course_words(change, comparison),
         nonlinear=NONLINEAR,

@@ -7,12 +7,14 @@ import numpy as np
 from bench.compare.comparison import Change, ChangedFinding, Comparison, Component
 from bench.report.comparison.names import (
     NOT_THE_MACHINES,
+    along_words,
     change_name,
     course_words,
     drift_text,
     expected_text,
     interval_text,
     limit_words,
+    names_told,
     size_text,
     title_of,
     together,
@@ -105,8 +107,7 @@ def findings_sentences(comparison: Comparison) -> Iterator[str]:
     """Yield each of several changes with the causes that may be behind it; nothing where there is one."""
     if len(comparison.findings) > 1:
         for i, finding in enumerate(comparison.findings, 1):
-            names = [f"{title_of(one.title, one.place)} ({percent(one.probability)})" for one in finding.names]
-            yield f"Change {i}: {listed(names, 'or')}"
+            yield f"Change {i}: {listed([str(one) for one in names_told(finding, comparison)], 'or')}"
 
 
 def basis_sentence(comparison: Comparison) -> str:
@@ -162,6 +163,8 @@ def _change(change: Change, comparison: Comparison) -> Iterator[str]:
     course = course_words(change, comparison)
     for size in change.sizes:
         yield f"  {size_text(size)}{f', {course}' if course else ''}   {size.words}".rstrip()
+    if along := along_words(change):
+        yield f"  {capital(along)}."
     if change.advice:
         yield f"  Check: {change.advice}."
     if change.level in NOT_THE_MACHINES:

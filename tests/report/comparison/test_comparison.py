@@ -86,13 +86,38 @@ def test_what_holds_from_a_run_on_is_no_change_of_the_machine() -> None:
 
 def test_several_changes_are_told_one_by_one() -> None:
     words = "\n".join(words_of(TWO))
-    assert "Change 2: loss of gas (45 %) or gas warmer or colder than nominal (45 %)" in words
-    assert "Change 1: friction of joint 0" in page_of(TWO, "HH-150", "")
+    gas = "loss of gas, +1.24 % (90 % interval 1.12 to 1.36) (45 %)"
+    cold = "gas warmer or colder than nominal, -3.60 K (90 % interval -4.00 to -3.20) (45 %)"
+    assert f"Change 2: {gas} or {cold}" in words
     lines = list(words_of(TWO))
     sizes = [i for i, line in enumerate(lines) if line.startswith("    ") and "90 % interval" in line]
     assert sizes, "of several changes each size stands under its own"
     assert all(lines[i - 1].startswith("  ") for i in sizes)
-    assert "Change 1:" not in page_of(SET, "HH-150", ""), "one change: its explanations say the same"
+
+
+def test_a_page_begins_with_each_change_how_large_and_since_when() -> None:
+    """Sizes stood below, under explanations of all changes together, each repeated in each of these."""
+    top = page_of(TWO, "HH-150", "").split("</header>")[0]
+    assert "<td>Friction of joint 0, long name 0</td>" in top
+    assert "<td>or friction of joint 1, long name 1</td>" in top
+    assert top.count("+1.24 % (90 % interval 1.12 to 1.36)") == 1 + len(FRICTION)
+    assert "or gas warmer or colder than nominal" in top
+    assert "<th>When</th>" not in top, "one recording after"
+    top = page_of(THREE, "HH-150", "").split("</header>")[0]
+    assert "+2.40 % (90 % interval 2.20 to 2.60), +0.600 % (90 % interval 0.550 to 0.650) a week" in top
+    assert "growing from june on" in top
+    top = page_of(NOTHING, "HH-150", "").split("</header>")[0]
+    assert "<table" not in top
+    assert "Of 2, 1 would not have been found at any plausible size" in top
+
+
+def test_an_interval_says_what_else_it_allows_for() -> None:
+    change = replace(GAS, along=("viscous friction", "Stribeck effect"))
+    comparison = replace(ONE, explanations=(Explanation((change,), 0.99, 40.0),))
+    words = "allows for as large a change beside it of: viscous friction; Stribeck effect"
+    assert words in "\n".join(words_of(comparison))
+    assert words in page_of(comparison, "HH-150", "")
+    assert "allows for" not in page_of(ONE, "HH-150", "")
 
 
 def test_page_has_a_line_for_each_component() -> None:
