@@ -64,19 +64,21 @@ def verdict_of(
     if discrepancy and discrepancy.fit and discrepancy.is_gain:
         fits[:1], linear = [discrepancy.fit] if near else [], discrepancy.linear
     findings = _findings(naming, near, fits)
+    explanations = tuple(_explanation(m, fit, shares, findings) for m, fit in zip(near, fits, strict=True))
+    unlisted = _unlisted(naming, discrepancy)
     return Verdict(
-        kind=naming.kind,
+        kind=kind_beside(naming.kind, explanations, unlisted),
         false_alarm_rate=rate,
         threshold=naming.screening.threshold,
         noise_scale=float(np.mean(linear.inflation**2)),
-        explanations=tuple(_explanation(m, fit, shares, findings) for m, fit in zip(near, fits, strict=True)),
+        explanations=explanations,
         rivals=tuple(
             _explanation(m, m.listed_fit(naming.linear), shares, findings)
             for m in naming.models
             if m.causes and m not in near
         ),
         findings=findings,
-        unlisted=_unlisted(naming, discrepancy),
+        unlisted=unlisted,
         missing=missing,
         not_simulated=not_simulated,
         gain=gain.channels if gain else (),
@@ -87,6 +89,19 @@ def verdict_of(
         detectable=tuple(d for d in detection_limits(naming.screening) if (d.effect, d.place) not in naming.found),
         noisy=_noisy(linear),
     )
+
+
+def kind_beside(kind: str, explanations: Sequence[Explanation], unlisted: Unlisted | None) -> str:
+    """Return what was found in a word: the causes, where what is left beside them is too small to have a shape.
+
+    Args:
+        kind: In a word, if it has one.
+        explanations: The likeliest first.
+        unlisted: What no listed effect explains.
+    """
+    if not explanations or unlisted is None or unlisted.stands_out:
+        return kind
+    return "cause" if len(explanations[0].causes) == 1 else "several causes"
 
 
 def _findings(naming: Naming, near: Sequence[Model], fits: Sequence[Fit]) -> tuple[AmbiguityGroup, ...]:

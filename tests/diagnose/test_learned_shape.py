@@ -5,8 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bench.diagnose.conclude import kind_beside
 from bench.diagnose.linearise.generic import Block
 from bench.diagnose.name.learned_shape import LearnedCurve, LearnedShape
+from bench.diagnose.verdict import Unlisted
+from tests.report.diagnosis.made import GAS, ZERO, explanation
 
 NODES = np.array([0.1, 0.2, 0.3])
 TABLE = Block("joint 1", "link torque", "angle", 0, "Nm", NODES, 5.0)
@@ -24,6 +27,18 @@ def test_a_band_that_holds_zero_everywhere_is_no_shape(value: list[float], stand
     curve = LearnedCurve("", "angle", "rad", "Nm", *ends)
     assert curve.stands_out is stands_out
     assert replace(shape, curves=(curve,)).stands_out is stands_out
+
+
+def test_what_is_too_small_to_have_a_shape_names_no_verdict() -> None:
+    """A verdict was called "unlisted cause" whose headline had load friction, at more than 99.9 %."""
+    little = Unlisted("drive 2", "motor torque", "speed", stands_out=False)
+    one, two = (explanation(causes, 1.0, 50.0) for causes in ((GAS,), (GAS, ZERO)))
+    kind = "unlisted cause"
+    assert kind_beside(kind, (one,), little) == "cause"
+    assert kind_beside(kind, (two, one), little) == "several causes"
+    assert kind_beside(kind, (), little) == kind
+    assert kind_beside(kind, (one,), replace(little, stands_out=True)) == kind
+    assert kind_beside("nothing found", (), None) == "nothing found"
 
 
 def test_a_slide_has_newtons_and_metres() -> None:

@@ -42,6 +42,12 @@ def with_scatter(linear: LinearisedModel, scatter: Scatter) -> LinearisedModel:
     return _reassembled(linear, linear.weighed, scatter)
 
 
+def with_repeats(linear: LinearisedModel, share: float) -> LinearisedModel:
+    """Return the design in which a share of the variance of friction at rest repeats with a visit."""
+    same = share == linear.scatter.repeats
+    return linear if same else with_scatter(linear, replace(linear.scatter, repeats=share))
+
+
 def with_places(linear: LinearisedModel, left: Array) -> LinearisedModel:
     """Return the design in which loose links of standing joints lie no farther apart than a residual shows.
 

@@ -142,10 +142,11 @@ def screen(linear: LinearisedModel, white: Array, tried: Tried, rate: float) -> 
     marginal = Nuisances(linear.jacobian).products(white, tried.columns)
     blocks = [(entry.columns, *prior) for entry in tried.entries for prior in entry.priors]
     threshold = family_threshold(marginal, blocks, rate, np.random.default_rng(0))
-    return Screening(marginal, _ranked(marginal, tried.entries), threshold, tried)
+    return Screening(marginal, ranked(marginal, tried.entries), threshold, tried)
 
 
-def _ranked(marginal: Marginal, entries: Sequence[Entry]) -> tuple[Entry, ...]:
+def ranked(marginal: Marginal, entries: Sequence[Entry]) -> tuple[Entry, ...]:
+    """Return what was tried with its evidence against a model, by falling evidence."""
     evidence = _log_evidences(marginal, entries)
     order = np.argsort(-evidence, kind="stable")
     return tuple(replace(entries[i], log_evidence=float(evidence[i])) for i in order)

@@ -11,9 +11,12 @@ from bench.diagnose.linearise.candidates import Cause, candidates_of, causes_of
 from bench.diagnose.linearise.generic import blocks_of
 from bench.diagnose.linearise.lack_of_fit import are_settled, factors_of, left_by_nuisances, unexplained
 from bench.diagnose.linearise.linearised_model import LinearisedModel, relinearised
-from bench.diagnose.linearise.other_noise import raised, with_friction_of, with_places
-from bench.diagnose.linearise.screening import Screening, Tried, screen, tried_of
+from bench.diagnose.linearise.marginal import Nuisances
+from bench.diagnose.linearise.other_noise import raised, with_friction_of, with_places, with_repeats
+from bench.diagnose.linearise.repeated_rests import SHARES, repeating_share, repeating_visits
+from bench.diagnose.linearise.screening import Screening, Tried, ranked, screen, tried_of
 from bench.diagnose.linearise.signatures import Sensitivities, Signatures
+from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.models import Model, without_shape
 from bench.diagnose.replay.world import World, moves
 from bench.effects.effect import Effect
@@ -24,6 +27,7 @@ from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
+WhiteOf = Callable[[LinearisedModel], Array]  # residual of a model, nuisances at zero, whitened
 ROUNDS = 6  # effort: of weighing anew with other standard errors
 
 
@@ -73,6 +77,8 @@ class Neighbourhood:
         self._changes = Sensitivities(np.empty(0), ())
         self._tried: Tried | None = None
         self._tried_for: tuple[object, object] = (None, None)  # whitenings and changes
+        self._repeats = 0.0  # share of friction at rest that repeats if nothing acts
+        self._threshold = LEAST
 
     def weighed(
         self, linear: LinearisedModel, causes: Sequence[Cause], sensitivities: Sensitivities
@@ -85,13 +91,10 @@ class Neighbourhood:
             sensitivities: What they change.
         """
         self._causes, self._changes = tuple(causes), sensitivities
-        linear = self._looked_around(linear, lambda nominal: nominal.white)
-        for _ in range(ROUNDS):
-            factors = factors_of(linear, left_by_nuisances(linear, linear.white), linear.unexplained)
-            if are_settled(factors):
-                break
-            linear = raised(linear, factors)
-        return linear, screen(linear, linear.white, self._everything(linear), self.rate)
+        linear, screening = self._screened(linear)
+        self._repeats, self._threshold = linear.scatter.repeats, screening.threshold
+        other = self._repeating(linear, lambda nominal: nominal.white)
+        return (linear, screening) if other is linear else self._screened(other)
 
     def about(self, linear: LinearisedModel, model: Model, *, is_last: bool = False) -> tuple[LinearisedModel, Tried]:
         """Return the campaign linearised about an extended model, with everything that can be tried there.
@@ -117,6 +120,7 @@ class Neighbourhood:
             signatures = Signatures(self.compiled, own.quantities, nuisances, self._causes, world)
             self._changes = signatures.sensitivities(own.segments, self.executor)
             own = relinearised(own, which, self._changes.nuisances)
+        own = self._repeating(own, lambda other: pseudo_residual(other, fit))
         if own.whitenings is not nominal.whitenings or self._changes is not before:
             own = self._looked_around(own, lambda other: pseudo_residual(other, fit))
         # of what the fit leaves, and once: with larger standard errors nuisances would be free to leave more, and so on
@@ -154,7 +158,50 @@ class Neighbourhood:
         known = self.measured, self.recorded, self.reach, self.compiled
         return self.farther(causes_of(self.catalogue.values(), robot, *known))
 
-    def _looked_around(self, linear: LinearisedModel, white_of: Callable[[LinearisedModel], Array]) -> LinearisedModel:
+    def _screened(self, linear: LinearisedModel) -> tuple[LinearisedModel, Screening]:
+        """Return the nominal model with the standard errors that it asks for, and everything weighed against it."""
+        linear = self._looked_around(linear, lambda nominal: nominal.white)
+        for _ in range(ROUNDS):
+            factors = factors_of(linear, left_by_nuisances(linear, linear.white), linear.unexplained)
+            if are_settled(factors):
+                break
+            linear = raised(linear, factors)
+        return linear, screen(linear, linear.white, self._everything(linear), self.rate)
+
+    def _repeating(self, linear: LinearisedModel, white_of: WhiteOf) -> LinearisedModel:
+        """Return the design in which as much of the friction at rest repeats as is most probable, whatever acts.
+
+        What acts between two visits of a pose looks like friction that does not repeat, and hides in it. So the share
+        that repeats if nothing acts is held against that which the best single thing leaves, looked for where all
+        repeats: each with its evidence, and the thing with its prior odds.
+        """
+        if self._repeats >= SHARES[-1] or not repeating_visits(linear.segments):
+            return linear
+        most = with_repeats(linear, SHARES[-1])
+        left = linear.split(most.unwhiten(self._best_beside(most, white_of(most))[1][:, None])[:, :, 0])
+        known = linear.replay.compiled, linear.weighed, linear.responses, linear.quantities, linear.scatter
+        plain, other = with_repeats(linear, self._repeats), with_repeats(linear, repeating_share(*known, left))
+        if other.scatter.repeats <= self._repeats:
+            return plain
+        return max((plain, other), key=lambda one: self._best_beside(one, white_of(one))[0])
+
+    def _best_beside(self, linear: LinearisedModel, white: Array) -> tuple[float, Array]:
+        """Return the log evidence of a model or of that with the best single thing beside it, and what this leaves.
+
+        Args:
+            linear: The campaign about the model.
+            white: Shape (m,), its residual with nuisances at zero; what is left has the same shape.
+        """
+        nuisances, tried = Nuisances(linear.jacobian), self._everything(linear)
+        marginal = nuisances.products(white, tried.columns)
+        alone = float(np.sum(linear.log_determinants)) - marginal.misfit / 2 - nuisances.log_determinant
+        best = ranked(marginal, tried.entries)[0]
+        if best.log_evidence > self._threshold:
+            sizes, _ = marginal.sizes(best.columns, best.what.plausible)
+            white = white - tried.columns.matrix[:, best.columns] @ sizes
+        return alone + max(best.log_evidence - self._threshold, 0.0), left_by_nuisances(linear, white)
+
+    def _looked_around(self, linear: LinearisedModel, white_of: WhiteOf) -> LinearisedModel:
         """Return the design with what not even everything together explains, by the instruments' standard errors."""
         plain = raised(linear, 1 / linear.inflation)
         tried = self._everything(plain)

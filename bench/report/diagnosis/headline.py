@@ -6,6 +6,7 @@ from bench.diagnose.named_causes import ParameterValue
 from bench.diagnose.verdict import AmbiguityGroup, NamedCause, Verdict
 from bench.report.diagnosis.baseline import missed_sentence
 from bench.report.diagnosis.changed import changed_sentence
+from bench.report.diagnosis.left import left_sentence
 from bench.report.diagnosis.names import (
     capital,
     cause_name,
@@ -29,11 +30,11 @@ def headline(verdict: Verdict) -> str:
     """Return the verdict in one sentence of `MOST` characters; of one that is unfinished, that first.
 
     Large findings that are confirmed stand in it, the largest first; the others are counted, and named only where there
-    is no such finding. Where least squares predicts better for sure, a second sentence says so, and so does one where
-    figures have changed since the diagnosis from which this one started.
+    is no such finding. Sentences of their own say what is left beside it, that least squares predicts better for sure,
+    and which figures have changed since the diagnosis from which this one started.
     """
     if not verdict.unfinished:
-        more = (missed_sentence(verdict), changed_sentence(verdict))
+        more = (left_sentence(verdict), missed_sentence(verdict), changed_sentence(verdict))
         return " ".join(filter(None, (_headline(verdict, MOST), *more)))
     ended = f"Unfinished ({verdict.unfinished.why}, during: {verdict.unfinished.during})"
     if verdict.kind == "nothing weighed":

@@ -147,9 +147,7 @@ WITHIN = replace(
     explanations=(explanation((ZERO,), 1.0, 96.4),),
     findings=(AmbiguityGroup((PossibleCause(ZERO, 0.5),), 0.5, may_be_unlisted=True),),
 )
-REMAINDER = replace(
-    CAUSE, kind="unlisted cause", unlisted=Unlisted("joint 2", "motor torque", "speed", stands_out=False)
-)
+REMAINDER = replace(CAUSE, unlisted=Unlisted("joint 2", "motor torque", "speed", stands_out=False))
 LITTLE = replace(GAS, share=0.11, sigmas=6.2)
 LARGE = replace(ZERO, share=0.62, sigmas=4.4)
 SURE = replace(MASS, share=0.4, sigmas=9.1)

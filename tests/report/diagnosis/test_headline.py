@@ -9,7 +9,7 @@ from bench.diagnose.named_causes import ParameterValue
 from bench.diagnose.verdict import FittedFigure, NamedCause, Unfinished, Unlisted
 from bench.report.diagnosis.headline import MOST, headline
 from bench.report.diagnosis.words import words_of
-from tests.report.diagnosis.made import BESIDE, GAS, MASS, NOTHING, VERDICTS, WARM, ZERO, finding
+from tests.report.diagnosis.made import BESIDE, GAS, MASS, NOTHING, STEP_GAIN, VERDICTS, WARM, ZERO, finding
 
 NOTHING_FOUND = (
     "Nothing found: the nominal model, with its figures fitted, explains this campaign; what moved far is listed."
@@ -35,7 +35,11 @@ OIL = replace(MASS, place="forearm")
             "a part of the unlisted one",
             "An unlisted cause: a torque on the motor of joint 2 that depends on angle and direction.",
         ),
-        ("a remainder", "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152)."),
+        (
+            "a remainder",
+            "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152). "
+            "Left: something at joint 2 too small to have a shape.",
+        ),
         ("small", "Only small findings: loss of gas."),
         (
             "missing",
@@ -65,6 +69,19 @@ def test_least_squares_stands_beside_the_diagnosed_model() -> None:
         ["first", "pass", "8.60", "0.901"],
         ["diagnosed", "model", "3.71", "3.93"],
     ]
+
+
+def test_what_is_left_is_told_with_its_size() -> None:
+    """A verdict that was sure of a name said only below that a channel was missed by three times its floor."""
+    shape = tuple(ParameterValue(f"at_{i}", x, x - 3, x + 3, "Nm") for i, x in enumerate((-2.0, 1.5)))
+    little = Unlisted("joint 2", "motor torque", "speed", shape, stands_out=False)
+    far = replace(STEP_GAIN, after=0.23)
+    words = headline(replace(VERDICTS["cause"], unlisted=little, gain=(STEP_GAIN, far, replace(far, after=0.1))))
+    assert words == (
+        "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152). Left: something at joint 2 too small to have a shape "
+        "(at most 5.0 Nm); motor current 2 errs by 0.230 A, 3.1 times as much as with a right model, and 1 "
+        "more such channel."
+    )
 
 
 def test_where_least_squares_is_better_nothing_is_not_explained() -> None:
