@@ -49,6 +49,15 @@ def test_a_limit_stays(folder: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert open_store().limit_bytes == 2_000_000_000
 
 
+def test_a_limit_without_a_unit_removes_nothing(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Five was taken for five bytes, and all that was kept was gone."""
+    open_store().put(digest(1), {"x": np.ones(10)})
+    assert main(["store", "--limit", "5"]) == 2
+    assert "5MB" in capsys.readouterr().err
+    assert len(open_store().entries()) == 1
+    assert not (folder / "limit").exists()
+
+
 def test_a_store_that_was_never_used(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["store", "--clear"]) == 0
     assert "0 bytes" in capsys.readouterr().out
@@ -67,13 +76,13 @@ def test_what_cannot_be_done_is_said(
 
 
 @pytest.mark.parametrize(
-    ("text", "size"), [("500MB", 500_000_000), ("2 GB", 2 * 10**9), ("1.5k", 1500), ("17", 17), ("20 b", 20)]
+    ("text", "size"), [("500MB", 500_000_000), ("2 GB", 2 * 10**9), ("1.5k", 1500), ("17B", 17), ("20 b", 20), ("0", 0)]
 )
 def test_sizes(text: str, size: int) -> None:
     assert bytes_of(text) == size
 
 
-@pytest.mark.parametrize("text", ["", "GB", "-5MB", "5TB", "1e6"])
+@pytest.mark.parametrize("text", ["", "GB", "-5MB", "5TB", "1e6", "5", "800000", "\u0665MB"])
 def test_what_is_no_size(text: str) -> None:
     with pytest.raises(InputError):
         bytes_of(text)
