@@ -23,11 +23,12 @@ def store_folder() -> Path:
 def open_store() -> Store:
     """Return the user's store with the limit that was set for it; nothing is written."""
     folder = store_folder()
+    file = folder / LIMIT_FILE
     try:
-        limit = int((folder / LIMIT_FILE).read_text(encoding="ascii"))
+        said = file.read_text(encoding="ascii").strip() if file.is_file() else ""  # a pipe would be waited for
     except (OSError, ValueError):
-        limit = LIMIT_BYTES
-    return Store(folder, max(limit, 0))
+        said = ""
+    return Store(folder, int(said) if re.fullmatch(r"\d{1,15}", said) else LIMIT_BYTES)
 
 
 def limited(store: Store, limit_bytes: int) -> Store:

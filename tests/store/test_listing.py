@@ -1,5 +1,6 @@
 """`bench store`: what it says, and its limit."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -56,6 +57,19 @@ def test_a_limit_without_a_unit_removes_nothing(folder: Path, capsys: pytest.Cap
     assert "5MB" in capsys.readouterr().err
     assert len(open_store().entries()) == 1
     assert not (folder / "limit").exists()
+
+
+@pytest.mark.parametrize("said", ["much", "5_0", "-5", "9" * 5000])
+def test_a_limit_that_is_none_does_not_count(folder: Path, said: str) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "limit").write_text(said)
+    assert open_store().limit_bytes == 2_000_000_000
+
+
+def test_a_pipe_in_place_of_the_limit_is_not_waited_for(folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    os.mkfifo(folder / "limit")
+    assert open_store().limit_bytes == 2_000_000_000
 
 
 def test_a_store_that_was_never_used(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
