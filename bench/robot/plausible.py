@@ -100,6 +100,10 @@ OF_MODELS: tuple[tuple[Range, Callable[[mujoco.MjModel], Named]], ...] = (
         Range("frictionloss", "Nm", 0.0, 1e7, "it is Coulomb friction, which takes energy"),
         lambda model: _dofs(model, model.dof_frictionloss),
     ),
+    (
+        Range("stiffness", "Nm/rad", 0.0, np.inf, "a spring pulls back"),
+        lambda model: _named(model, "joint", model.jnt_stiffness),
+    ),
     (Range("range", "rad", -TURNS, TURNS, IN_RADIANS), lambda model: _limits(model, slides=False)),
     (Range("range", "m", -100.0, 100.0, "lengths are in m"), lambda model: _limits(model, slides=True)),
     (

@@ -27,6 +27,7 @@ SLIPS = {
         'forcerange="200 -200"',
         'forcerange is "200 -200"; exchange',
     ),
+    "a spring that pushes away": (JOINT, f'{JOINT} stiffness="-5"', "joint 'j1': stiffness is -5 Nm/rad"),
     "a drive that pulls one way": (
         'forcerange="-200.0 200.0"',
         'forcerange="-200 0"',
