@@ -72,6 +72,14 @@ def test_a_pipe_in_place_of_the_limit_is_not_waited_for(folder: Path) -> None:
     assert open_store().limit_bytes == 2_000_000_000
 
 
+def test_a_pipe_in_place_of_an_entry_is_not_waited_for(folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    os.mkfifo(folder / f"{digest(1)}.entry")
+    assert open_store().get(digest(1)) is None
+    os.mkfifo(folder / f"{digest(2)}.entry")
+    assert [entry.label for entry in open_store().entries()] == [""]
+
+
 def test_a_store_that_was_never_used(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["store", "--clear"]) == 0
     assert "0 bytes" in capsys.readouterr().out
