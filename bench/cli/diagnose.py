@@ -138,16 +138,17 @@ class Diagnose:
         """
         from bench.effects.payloads import carrying_nothing
         from bench.errors import InputError
-        from bench.report.diagnosis.file_names import ROBOT
         from bench.report.handover.posterior_file import read_posterior
+        from bench.report.prediction.model import handed_over
         from bench.robot.folder import load_robot
 
         if self.given is None:
             return self.robot, None
         if self.robot:
             raise InputError("--given and --robot: an earlier diagnosis brings its own robot; give one of the two.")
-        posterior = read_posterior(self.given / ROBOT)
-        return carrying_nothing(load_robot(self.given / ROBOT)), posterior
+        robot = Path(handed_over(self.given))
+        posterior = read_posterior(robot)
+        return carrying_nothing(load_robot(robot)), posterior
 
     @contextmanager
     def _asking_about_the_robot(self) -> Iterator[None]:

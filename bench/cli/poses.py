@@ -24,6 +24,7 @@ class Poses(PoseRequest):
 
     def run(self) -> int:
         """Design and print; return the exit code."""
+        from bench.cli.progress import phases
         from bench.cli.seeds import checked_seed
         from bench.errors import InputError
         from bench.report.files import refuse_to_overwrite
@@ -35,7 +36,8 @@ class Poses(PoseRequest):
         checked_seed(self.seed)
         if self.out is not None:
             refuse_to_overwrite(self.out)
-        plan = plan_poses(self)
+        with phases() as shown:
+            plan = plan_poses(self, shown.phase)
         if self.out is not None:
             write_scenario(plan, self.out)
         (print_json if self.json else print_plan)(plan)

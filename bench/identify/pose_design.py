@@ -1,6 +1,6 @@
 """Which poses to measure next: those that together are D-optimal for the joint compliances."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,6 +47,7 @@ def design_poses(
     max_slanting: int,
     rng: np.random.Generator,
     measured: Visits | None = None,
+    phase: Callable[[str], None] = lambda words: None,
 ) -> PoseDesign:
     """Choose the poses and loads that, with what was measured before, tell most about all compliances.
 
@@ -62,6 +63,7 @@ def design_poses(
         max_slanting: See `slanting`.
         rng: Source of the candidates.
         measured: Visits that were already made, if any.
+        phase: Is told what begins; hundreds of poses take minutes.
 
     Raises:
         InputError: Not enough poses keep the rules.
@@ -75,11 +77,14 @@ def design_poses(
         candidates = information(setup, visits, PLANNED[method])
         return visits.take(choose(candidates, known, setup.arm.n_joints, count, slants, max_slanting, rng, starts))
 
+    phase("drawing poses")
     visits = sample(setup, [hanging], rules, N_CANDIDATES, rng)
     if slanting and max_slanting:
         visits += sample(setup, slanting, rules, N_CANDIDATES, rng)
+    phase(f"choosing {count} of {len(visits.loads)}")
     visits = best(visits, STARTS)
-    for spread in NEAR:
+    for k, spread in enumerate(NEAR, start=1):
+        phase(f"looking for better ones near each, {k} of {len(NEAR)}")
         visits += around(setup, visits, rules, spread, N_NEAR, rng)
         visits = best(visits, 0)
     together = visits if measured is None else measured + visits

@@ -132,7 +132,7 @@ def read_manifest(folder: Path) -> Manifest:
         entries = []
     runs = [_validated(RunEntry, entry, f"runs[{i}]", findings) for i, entry in enumerate(entries)]
     usable = tuple(run for run in runs if run is not None and _is_inside(folder, run, findings))
-    findings += _repeated(usable)
+    findings += [*_repeated(usable), *_of_no_recording(usable)]
     known = _known(besides, tuple(dict.fromkeys(run.recording for run in usable)), findings)
     return Manifest(head, usable, tuple(findings), known)
 
@@ -237,6 +237,17 @@ def _is_inside(folder: Path, run: RunEntry, findings: list[Finding]) -> bool:
         findings.append(_fault(f"{run.name}.file", f"{run.path} is no table", f"save it as {' or '.join(SUFFIXES)}"))
         return False
     return True
+
+
+def _of_no_recording(runs: tuple[RunEntry, ...]) -> list[Finding]:
+    """Return a fault for each run without a recording, where others have one: they would be one more recording."""
+    named = [run.recording for run in runs if run.recording]
+    remedy = f"write recording: {named[0]}, or where else it belongs, or leave the key out of all" if named else ""
+    return [
+        _fault(f"{run.name}.recording", "is missing, and other runs have one", remedy)
+        for run in runs
+        if named and not run.recording
+    ]
 
 
 def _repeated(runs: tuple[RunEntry, ...]) -> list[Finding]:

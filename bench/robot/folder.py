@@ -1,5 +1,6 @@
 """A robot is a folder: MJCF, `figures.yaml`, README. This finds one and reads its figures."""
 
+import errno
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,6 +18,7 @@ from bench.robot.figures import Figures
 from bench.robot.one_or_each import LIST, NUMBER
 
 FIGURES_FILE = "figures.yaml"
+NOT_THERE = (errno.ENOENT, errno.ENOTDIR, errno.ENAMETOOLONG)
 MJCF_ENDINGS = (".xml", ".mjcf")
 
 
@@ -66,12 +68,20 @@ def load_robot(name_or_folder: str | Path) -> Robot:
     """
     known = robot_names()
     folder = paths.models_dir() / name_or_folder if str(name_or_folder) in known else Path(name_or_folder)
-    if not os.path.isfile(folder / FIGURES_FILE):  # noqa: PTH113  a name may be too long for pathlib
+    source = folder / FIGURES_FILE
+    try:
+        is_there = bool(os.lstat(source))
+    except ValueError:  # a byte of zero
+        is_there = False
+    except OSError as error:
+        if error.errno not in NOT_THERE:
+            raise RobotError(f"{source}: cannot be read: {error.strerror}; make it readable.") from error
+        is_there = False
+    if not is_there:
         raise UnknownRobotError(
             unknown_name("robot", str(name_or_folder), known)
             + f" A robot folder holds a {FIGURES_FILE}; `bench diagnose -o DIR` writes one as DIR/robot."
         )
-    source = folder / FIGURES_FILE
     try:
         figures = Figures.model_validate(load_typed_yaml(source))
     except YamlFault as fault:

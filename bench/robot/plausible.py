@@ -84,6 +84,10 @@ OF_MODELS: tuple[tuple[Range, Callable[[mujoco.MjModel], Named]], ...] = (
         Range("largest radius of gyration", "m", 0.0, 3.0, "moments of inertia are in kg m^2, masses in kg"),
         lambda model: _moving(model, _radius_of_gyration(model)),
     ),
+    (  # MuJoCo norms directions; one of 1e300 has no length that could be computed
+        Range("length of its axis once it is normed", "", 0.99, 1.01, "write a direction, such as 0 0 1"),
+        lambda model: _named(model, "joint", np.linalg.norm(model.jnt_axis, axis=1)),
+    ),
     (
         Range("armature", "kg m^2", 0.0, 1e5, "it is the rotor's inertia times the square of the gear ratio"),
         lambda model: _dofs(model, model.dof_armature),
@@ -95,6 +99,10 @@ OF_MODELS: tuple[tuple[Range, Callable[[mujoco.MjModel], Named]], ...] = (
     (
         Range("frictionloss", "Nm", 0.0, 1e7, "it is Coulomb friction, which takes energy"),
         lambda model: _dofs(model, model.dof_frictionloss),
+    ),
+    (
+        Range("stiffness", "Nm/rad", 0.0, np.inf, "a spring pulls back"),
+        lambda model: _named(model, "joint", model.jnt_stiffness),
     ),
     (Range("range", "rad", -TURNS, TURNS, IN_RADIANS), lambda model: _limits(model, slides=False)),
     (Range("range", "m", -100.0, 100.0, "lengths are in m"), lambda model: _limits(model, slides=True)),

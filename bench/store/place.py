@@ -11,7 +11,7 @@ from bench.store.store import LIMIT_BYTES, Store
 
 VARIABLE = "BENCH_STORE"  # of the environment; names another folder
 LIMIT_FILE = "limit"  # in the folder: bytes, as text
-UNITS = {"": 1, "K": 10**3, "M": 10**6, "G": 10**9}
+UNITS = {"B": 1, "KB": 10**3, "MB": 10**6, "GB": 10**9, "K": 10**3, "M": 10**6, "G": 10**9}
 
 
 def store_folder() -> Path:
@@ -23,11 +23,12 @@ def store_folder() -> Path:
 def open_store() -> Store:
     """Return the user's store with the limit that was set for it; nothing is written."""
     folder = store_folder()
+    file = folder / LIMIT_FILE
     try:
-        limit = int((folder / LIMIT_FILE).read_text(encoding="ascii"))
+        said = file.read_text(encoding="ascii").strip() if file.is_file() else ""  # a pipe would be waited for
     except (OSError, ValueError):
-        limit = LIMIT_BYTES
-    return Store(folder, max(limit, 0))
+        said = ""
+    return Store(folder, int(said) if re.fullmatch(r"\d{1,15}", said) else LIMIT_BYTES)
 
 
 def limited(store: Store, limit_bytes: int) -> Store:
@@ -49,12 +50,17 @@ def limited(store: Store, limit_bytes: int) -> Store:
 
 
 def bytes_of(text: str) -> int:
-    """Return a size in bytes from text such as "500MB", "1.5 GB" or "800000".
+    """Return a size in bytes from text such as "500MB", "1.5 GB" or "0".
+
+    A number alone is refused: who writes 5 hardly means five bytes, and what exceeds a limit is removed at once.
 
     Raises:
-        InputError: It is none.
+        InputError: It is none, or has no unit.
     """
-    match = re.fullmatch(r"\s*(\d+(?:\.\d*)?)\s*([KMG]?)B?\s*", text.upper())
+    match = re.fullmatch(r"\s*(\d{1,15}(?:\.\d*)?)\s*([KMG]?B?)\s*", text.upper(), re.ASCII)
     if not match:
         raise InputError(f"{text!r} is no size; write for example 500MB or 2GB.")
-    return round(float(match[1]) * UNITS[match[2]])
+    number, unit = float(match[1]), match[2]
+    if number and not unit:
+        raise InputError(f"{text!r} has no unit; write {match[1]}MB or {match[1]}GB, or {match[1]}B for bytes.")
+    return round(number * UNITS[unit or "B"])

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from numpy.typing import NDArray
 
@@ -66,7 +66,7 @@ class Store:
         """
         file = self._file(key)
         try:
-            with file.open("rb") as opened:
+            with _opened(file) as opened:
                 start = opened.read(len(MAGIC))
                 content = start + opened.read() if start == MAGIC else start
         except OSError:
@@ -127,7 +127,7 @@ class Store:
         found = []
         for used_s, size, key in sorted(self._files(), reverse=True):
             label, made_s = "", float("nan")
-            with suppress(OSError, DamagedEntryError), self._file(key).open("rb") as opened:
+            with suppress(OSError, DamagedEntryError), _opened(self._file(key)) as opened:
                 head = head_of(opened.read(HEAD_BYTES))
                 label, made_s = head.label, head.made_s
             found.append(Entry(key, label, size, made_s, used_s))
@@ -212,3 +212,8 @@ class Store:
                 fcntl.flock(handle, fcntl.LOCK_UN)  # a process that was forked meanwhile has the same handle
         finally:
             os.close(handle)
+
+
+def _opened(file: Path) -> BinaryIO:
+    """Open a file to read it; a named pipe in its place is not waited for, and reads as empty."""
+    return os.fdopen(os.open(file, os.O_RDONLY | os.O_NONBLOCK), "rb")

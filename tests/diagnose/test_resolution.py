@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench.diagnose.replay.quantities import Quantity
-from bench.diagnose.replay.resolution import angle_noise, finest_window, missed_by_average
+from bench.diagnose.replay.resolution import angle_noise, finest_window, missed_by_average, step_of
 from bench.diagnose.replay.segments import segments_of
 from bench.diagnose.replay.smooth_derivative import averaging_kernel, noise_gain, smooth_derivative
 from bench.robot.compiled import compile_robot
@@ -39,6 +39,15 @@ def test_steps_of_an_encoder_are_noise_also_where_a_joint_goes_on_by_whole_ones(
     found = angle_noise(np.stack([np.round(way / step) * step, turn], axis=1))
     np.testing.assert_allclose(found, np.array([step, np.deg2rad(1e-4)]) / np.sqrt(12), rtol=0.1)
     assert np.all(angle_noise(np.stack([way, 1e3 + way], axis=1)) < 1e-9)
+
+
+def test_an_encoder_that_ticks_is_read_in_steps() -> None:
+    """One of 10 mrad has few different ways from sample to sample: rows were lost, or nothing was said of it."""
+    way = 0.4 * np.sin(np.linspace(0, 9, 3000))
+    for step in (1e-3, 1e-2, 3e-2):
+        assert step_of(np.round(way / step) * step) == pytest.approx(step)
+    even = np.concatenate([np.zeros(50), np.arange(100), np.full(50, 99), np.arange(99, 0, -1)])  # at one speed
+    assert step_of(np.tile(even, 9) * 1e-3) == 0
 
 
 def test_jumps_and_a_joint_that_stands_are_no_noise(rng: np.random.Generator) -> None:

@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 
 from bench.diagnose.plausibility.known_temperature import known_temperatures
-from bench.diagnose.plausibility.stated_noise import noise_as_stated
+from bench.diagnose.plausibility.single_rows import jumps
+from bench.diagnose.plausibility.stated_noise import coarse_encoders, noise_as_stated
 from bench.record.campaign import Campaign
 from bench.record.known import Known
+from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
+from tests.diagnose.sweeps import SWEEP, made
 from tests.diagnose.test_one_more_number import session
 
 RIGHT = {"current": 0.03, "reflector": 30e-6, "force": 0.5, "moment": 0.3}
@@ -65,3 +68,21 @@ def test_a_known_temperature_that_may_have_been_so_is_believed(campaign: Campaig
     assert not thermometer(campaign, LOGGED_K + 50, warms=100)
     known = (Known("gas_temperature_k", 400, 1),)
     assert not [*known_temperatures(replace(campaign, known=known))]  # no thermometer
+
+
+@pytest.mark.parametrize("step", [1e-3, 1e-2])
+def test_an_encoder_far_coarser_than_stated_is_told(step: float) -> None:
+    """Nothing was said of steps of 1 mrad, and of 10 mrad that rows had been lost."""
+    campaign = made(SWEEP, 1)
+    assert not [*coarse_encoders(campaign, ROBOT)]
+    for run in campaign.runs:
+        assert run.kind == "motion"
+    name = "q_motor_2_rad"
+    coarse = [
+        replace(run, columns=dict(run.columns) | {name: np.round(run.columns[name] / step) * step})
+        for run in campaign.runs
+    ]
+    (said,) = coarse_encoders(replace(campaign, runs=tuple(coarse)), ROBOT)
+    assert (said.level, said.column) == ("warning", name)
+    assert f"steps of {step:g}" in said.message
+    assert not [*jumps(replace(campaign, runs=tuple(coarse)), compile_robot(ROBOT))]

@@ -36,6 +36,7 @@ from tests.poison import (
     in_models,
     in_parquet,
     in_readings,
+    in_refusals,
     in_results,
     in_robots,
     in_runs,
@@ -57,6 +58,7 @@ FAMILIES: Sequence[Family] = (
     *(*in_manifests.FAMILIES, *in_files.FAMILIES, *in_parquet.FAMILIES, *in_readings.FAMILIES, *in_models.FAMILIES),
     *(*in_stops.FAMILIES, *in_statistics.FAMILIES, *in_values.FAMILIES),
     *(*in_robots.FAMILIES, *in_scenarios.FAMILIES, *in_results.FAMILIES, *in_loads.FAMILIES, *in_commands.FAMILIES),
+    *in_refusals.FAMILIES,
 )
 PROMISE = PredictedError("current_1_a", "A", "motion", 4, 0.02, 0.01, 0.05)
 Kind = Literal["right", "silent", "wrong", "traceback", "hang"]

@@ -51,6 +51,11 @@ FAULTS = {
     "run is a word": ("format: 1\nrobot: r\nruns: [a]", "runs[0]", "'a'"),
     "no runs": ("format: 1\nrobot: r", "runs", "at least one"),
     "runs are a mapping": ("format: 1\nrobot: r\nruns: {a: 1}", "runs", "no list"),
+    "one run of no recording": (
+        f"format: 1\nrobot: r\nruns: [{RUN}, {{name: b, kind: motion, start_s: 9, recording: may}}]",
+        "a.recording",
+        "is missing, and other runs have one",
+    ),
     "date": (f"format: 1\nrobot: r\nstarted: May\nruns: [{RUN}]", "started", "'May'"),
     "noise of a label": (f"format: 1\nrobot: r\nnoise: {{load: 1}}\nruns: [{RUN}]", "noise.load", "unknown quantity"),
     "negative noise": (

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bench.errors import MOST_OF_NAME, InputError, printable
+from bench.record.campaign import Array
 from bench.record.check import check_campaign, examine_all
 from bench.record.finding import Finding
 from bench.record.rules.repeated_runs import no_campaign_twice
@@ -118,6 +119,22 @@ def test_a_run_under_two_names_is_doubted() -> None:
     finding = only(examine_all([sheet("a", 1), sheet("b", 2), copy]))
     assert (finding.level, finding.file) == ("doubt", "runs/c.csv")
     assert "holds the same readings as runs/a.csv" in finding.message
+
+
+def test_a_copy_with_little_noise_of_its_own_is_doubted_and_a_repeat_is_not(rng: np.random.Generator) -> None:
+    """A thousandth of a percent of each range was enough to be a run of its own, and its readings counted twice."""
+    smooth = {"time_s": np.arange(200) / 50, "q_cmd_1_rad": np.sin(np.arange(200) / 40)}
+    smooth |= {"q_motor_1_rad": smooth["q_cmd_1_rad"]}
+    torque, noise = 300 * np.cos(np.arange(200) / 40), rng.normal(size=(2, 200))
+
+    def of(values: Array, name: str, start: float) -> Sheet:
+        columns = smooth | {"tau_motor_1_nm": values}
+        return Sheet(motion(columns, name, start), f"runs/{name}.csv", tuple(columns))
+
+    first, repeat = of(torque + noise[0], "a", 0.0), of(torque + noise[1], "b", 100.0)
+    copy = of(torque + noise[0] + 1e-5 * 600 * rng.normal(size=200), "c", 200.0)
+    said = [finding for finding in examine_all([first, repeat, copy]) if "same readings" in finding.message]
+    assert [finding.file for finding in said] == ["runs/c.csv"]
 
 
 def test_runs_without_noise_may_be_alike() -> None:

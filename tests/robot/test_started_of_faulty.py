@@ -27,6 +27,14 @@ SLIPS = {
         'forcerange="200 -200"',
         'forcerange is "200 -200"; exchange',
     ),
+    "a spring that pushes away": (JOINT, f'{JOINT} stiffness="-5"', "joint 'j1': stiffness is -5 Nm/rad"),
+    "a drive that pulls one way": (
+        'forcerange="-200.0 200.0"',
+        'forcerange="-200 0"',
+        "joint 'j1': forcerange of its actuator is \"-200 0\"",
+    ),
+    "a drive that never rests": ('forcerange="-200.0 200.0"', 'forcerange="10 200"', "a drive pulls both ways"),
+    "an axis beyond numbers": (JOINT, JOINT.replace("0 0 1", "1e300 1e300 0"), "joint 'j1': length of its axis"),
     "a centre of mass in millimetres": (
         'mass="12.0" pos="',
         'mass="12.0" pos="250',
@@ -106,3 +114,10 @@ def test_names_that_are_made_up_are_said(tmp_path: Path) -> None:
     assert [drive.joint for drive in figures.drives] == ["joint3", "j2", "joint3_unnamed"]
     assert "name of joint3_unnamed: the file has none" in figures.assumed
     assert yaml.safe_load((tmp_path / "arm" / "figures.yaml").read_text())["assumed"] == list(figures.assumed)
+
+
+def test_a_range_without_ends_is_none(tmp_path: Path) -> None:
+    """It was written down, for the servo as well, and not among what was assumed."""
+    (tmp_path / "arm.xml").write_text(MJCF.replace(JOINT, JOINT.replace("-2.6 2.6", "-inf inf")))
+    started = start_robot("arm", read_source(tmp_path / "arm.xml"), tmp_path / "arm")
+    assert any(line.startswith("range (j1 -360 to 360 degrees)") for line in started.compiled.robot.figures.assumed)

@@ -1,5 +1,6 @@
 """`bench store`: what it says, and its limit."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -49,6 +50,36 @@ def test_a_limit_stays(folder: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert open_store().limit_bytes == 2_000_000_000
 
 
+def test_a_limit_without_a_unit_removes_nothing(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Five was taken for five bytes, and all that was kept was gone."""
+    open_store().put(digest(1), {"x": np.ones(10)})
+    assert main(["store", "--limit", "5"]) == 2
+    assert "5MB" in capsys.readouterr().err
+    assert len(open_store().entries()) == 1
+    assert not (folder / "limit").exists()
+
+
+@pytest.mark.parametrize("said", ["much", "5_0", "-5", "9" * 5000])
+def test_a_limit_that_is_none_does_not_count(folder: Path, said: str) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "limit").write_text(said)
+    assert open_store().limit_bytes == 2_000_000_000
+
+
+def test_a_pipe_in_place_of_the_limit_is_not_waited_for(folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    os.mkfifo(folder / "limit")
+    assert open_store().limit_bytes == 2_000_000_000
+
+
+def test_a_pipe_in_place_of_an_entry_is_not_waited_for(folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    os.mkfifo(folder / f"{digest(1)}.entry")
+    assert open_store().get(digest(1)) is None
+    os.mkfifo(folder / f"{digest(2)}.entry")
+    assert [entry.label for entry in open_store().entries()] == [""]
+
+
 def test_a_store_that_was_never_used(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["store", "--clear"]) == 0
     assert "0 bytes" in capsys.readouterr().out
@@ -67,13 +98,13 @@ def test_what_cannot_be_done_is_said(
 
 
 @pytest.mark.parametrize(
-    ("text", "size"), [("500MB", 500_000_000), ("2 GB", 2 * 10**9), ("1.5k", 1500), ("17", 17), ("20 b", 20)]
+    ("text", "size"), [("500MB", 500_000_000), ("2 GB", 2 * 10**9), ("1.5k", 1500), ("17B", 17), ("20 b", 20), ("0", 0)]
 )
 def test_sizes(text: str, size: int) -> None:
     assert bytes_of(text) == size
 
 
-@pytest.mark.parametrize("text", ["", "GB", "-5MB", "5TB", "1e6"])
+@pytest.mark.parametrize("text", ["", "GB", "-5MB", "5TB", "1e6", "5", "800000", "\u0665MB"])
 def test_what_is_no_size(text: str) -> None:
     with pytest.raises(InputError):
         bytes_of(text)

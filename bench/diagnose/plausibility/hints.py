@@ -17,7 +17,7 @@ from bench.diagnose.plausibility.one_more_number import one_more_number
 from bench.diagnose.plausibility.one_run import unlike_other_runs
 from bench.diagnose.plausibility.reported_torques import unlike_currents
 from bench.diagnose.plausibility.single_rows import beyond_guessed_limits, overloads
-from bench.diagnose.plausibility.stated_noise import noise_as_stated
+from bench.diagnose.plausibility.stated_noise import coarse_encoders, noise_as_stated
 from bench.diagnose.plausibility.unexplained import unexplained
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -57,6 +57,7 @@ def hints_of(
     every = quantities_of(campaign.runs, compiled)
     found = [*too_far_apart(campaign, compiled), *unlike_currents(campaign, compiled), *unlike_weights(campaign)]
     found += [*known_temperatures(campaign), *cold_gears(campaign), *noise_as_stated(campaign, compiled.robot)]
+    found += [*coarse_encoders(campaign, compiled.robot)]
     told = {finding.column for finding in known}
     found += [hint for hint in overloads(campaign, compiled) if hint.column not in told]
     found += [hint for hint in beyond_guessed_limits(campaign, compiled) if hint.column not in told]

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.diagnose.replay.resolution import step_of
 from bench.effects.places import most_acceleration, most_speed, most_torque, torque_limit
 from bench.record.campaign import Array, Campaign, Run
 from bench.record.channels import columns_of
@@ -31,14 +32,15 @@ def jumps(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
         told: set[int] = set()  # rows of this run; what jumps in all columns is told once
         for column in columns_of(run.columns, "q_motor", "q_link"):
             step, time = np.diff(run.columns[column.name]), np.diff(run.columns["time_s"])
+            coarse = step_of(run.columns[column.name])  # an encoder goes on by one of its steps more, or fewer
             fastest = BEYOND * most_speed(compiled, column.index - 1)
             sharpest = BEYOND * most_acceleration(compiled, column.index - 1)
-            is_jump = np.abs(step) > np.maximum(fastest * time, TRAVEL[column.unit])
+            is_jump = np.abs(step) - coarse > np.maximum(fastest * time, TRAVEL[column.unit])
             back = np.pad(is_jump[:-1] & is_jump[1:] & (step[:-1] * step[1:] < 0), 1)[: len(run)]
             there_and_back = f"no drive goes there and back so fast ({fastest:.3g} per s)"
             yield from _told("doubt", run, column.name, back, there_and_back, SPOILT)
 
-            onward = np.append(False, _is_onward(step, time, TRAVEL[column.unit], fastest, sharpest))
+            onward = np.append(False, _is_onward(step, time, coarse, TRAVEL[column.unit], fastest, sharpest))
             if rows := set(np.flatnonzero(onward).tolist()) - told:
                 told |= rows
                 size = float(np.max(np.abs(step[onward[1:]])))
@@ -46,7 +48,9 @@ def jumps(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
                 yield from _told("doubt", run, column.name, onward, why, LOST)
 
 
-def _is_onward(step: Array, time: Array, travel: float, fastest: float, sharpest: float) -> NDArray[np.bool_]:
+def _is_onward(
+    step: Array, time: Array, coarse: float, travel: float, fastest: float, sharpest: float
+) -> NDArray[np.bool_]:
     """Return which steps of an angle no drive can make between the speeds before and after them, shape (T - 1,).
 
     Of two speeds below v at both ends of a time t, an acceleration a leads no farther than v t + a t^2/4.
@@ -54,6 +58,7 @@ def _is_onward(step: Array, time: Array, travel: float, fastest: float, sharpest
     Args:
         step: From row to row, shape (T - 1,).
         time: The same way.
+        coarse: Step of the encoder.
         travel: Of steps that noise makes.
         fastest: Speed of its drive at most.
         sharpest: Its acceleration at most.
@@ -61,7 +66,7 @@ def _is_onward(step: Array, time: Array, travel: float, fastest: float, sharpest
     speed = np.pad(np.abs(step) / time, 1)
     beside = np.maximum(speed[:-2], speed[2:])
     farthest = np.minimum(fastest * time, beside * time + sharpest * time**2 / 4)
-    is_jump = np.abs(step) > np.maximum(farthest, travel)
+    is_jump = np.abs(step) - coarse > np.maximum(farthest, travel)
     # of a joint that is too fast for longer the angle has another unit, which is told elsewhere
     return np.zeros_like(is_jump) if np.any(is_jump[:-1] & is_jump[1:]) else is_jump
 

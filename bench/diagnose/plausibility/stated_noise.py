@@ -10,6 +10,7 @@ import numpy as np
 
 from bench.diagnose.plausibility.channels import BEYOND_GUESS
 from bench.diagnose.replay.noise import FEWEST, UNIFORM, Noise
+from bench.diagnose.replay.resolution import step_of
 from bench.record.campaign import Array, Campaign
 from bench.record.channels import columns_of
 from bench.record.finding import Finding
@@ -62,6 +63,30 @@ def noise_as_stated(campaign: Campaign, robot: Robot) -> Iterator[Finding]:
         message = f"{stated.value:g} is {how}"
         remedy = "milli or kilo? noise is in the unit of the column: A, Nm, N, m, rad, Pa"
         yield Finding("warning", stated.file, None, stated.key, message, remedy)
+
+
+def coarse_encoders(campaign: Campaign, robot: Robot) -> Iterator[Finding]:
+    """Yield a warning for each encoder whose readings go in steps far above its resolution as the figures state it.
+
+    Args:
+        campaign: A checked campaign.
+        robot: Its robot.
+    """
+    instruments = robot.figures.instruments
+    for quantity, encoder in (("q_motor", instruments.encoder), ("q_link", instruments.link_encoder)):
+        if encoder is None:
+            continue
+        steps: dict[str, list[float]] = {}
+        for run in campaign.of_kind("motion"):
+            for column in columns_of(run.columns, quantity):
+                steps.setdefault(column.name, []).append(step_of(run.columns[column.name]))
+        for name, seen in steps.items():
+            usual = float(np.median(seen))
+            if usual > FAR * encoder.resolution_rad:
+                key = f"instruments.{'encoder' if quantity == 'q_motor' else 'link_encoder'}.resolution_rad"
+                message = f"reads in steps of {usual:.3g}, {usual / encoder.resolution_rad:.2g} times {key}"
+                remedy = f"rounded? log all digits; else the encoder is as coarse: write that into {FIGURES_FILE}"
+                yield Finding("warning", "all runs", None, name, message, remedy)
 
 
 def _of_figures(robot: Robot) -> Iterator[_Stated]:

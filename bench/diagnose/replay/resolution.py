@@ -44,7 +44,9 @@ def angle_noise(angles: Array) -> Array:
 def step_of(values: Array) -> float:
     """Return of what the differences between values, shape (rows,), are multiples; 0 where of nothing.
 
-    At one constant speed samples lie evenly without any encoder, so that says nothing.
+    At one constant speed samples lie evenly without any encoder, so that says nothing. Many different ways from sample
+    to sample do, or single ones that are a step longer or shorter than those before and after, as of a coarse encoder
+    that ticks.
     """
     every = np.unique(values)
     apart = np.diff(every)
@@ -54,7 +56,11 @@ def step_of(values: Array) -> float:
     step = float(np.min(apart))
     steps = (every - every[0]) / step
     is_stepped = np.all(np.abs(steps - np.rint(steps)) < WHOLE)
-    return step if is_stepped and len(np.unique(np.rint(np.diff(values) / step))) >= FEWEST_STEPS else 0.0
+    if not is_stepped:
+        return 0.0
+    ways = np.rint(np.diff(values) / step)
+    ticks = (ways[:-2] == ways[2:]) & (np.abs(ways[1:-1] - ways[2:]) == 1)
+    return step if max(len(np.unique(ways)), int(np.sum(ticks))) >= FEWEST_STEPS else 0.0
 
 
 def _roughness(angles: Array) -> Array:

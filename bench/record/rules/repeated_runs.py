@@ -9,9 +9,16 @@ from bench.record.channels import columns_of
 from bench.record.finding import Finding
 from bench.record.rules.copies import is_rich
 from bench.record.rules.sheet import Sheet
-from bench.record.rules.stuck import NOISY, is_noisy
+from bench.record.rules.stuck import NOISY, TURNS, is_noisy
 
 ROUNDING = 1e-6  # of a channel's range, by which a copy may differ: written with fewer digits, or multiplied back
+# derived: of the noise of a channel, by which a copy of a motion may differ that was given noise of its own. Readings
+# of one thing differ by 1.4 of it; of thirty rows by less than 0.7 once in a million times
+SHARE = 0.7
+SPREAD = 8.0  # standard deviations of noise from the lowest to the highest reading, as far as it widens a range
+FEWEST = 30  # derived: of noise fewer than 0.6 change sign in one of a hundred runs that are as short
+NORMAL = 1.4826  # exact: standard deviations of a normal distribution in its median absolute deviation
+NEIGHBOURS = 50  # effort: runs of alike totals that a run is compared with
 
 
 def no_run_twice(sheets: Sequence[Sheet]) -> Iterator[Finding]:
@@ -39,23 +46,27 @@ def no_campaign_twice(campaigns: Mapping[str, Campaign]) -> Iterator[tuple[str, 
 def _first_alike(runs: Sequence[Run]) -> dict[int, int]:
     """Return place of a run -> place of the first run with the same noise; runs with readings of their own are out.
 
-    Runs with the same columns and rows are put in order of one number, a sum of their readings over their ranges; only
+    Runs with the same columns and rows are put in order of one number, the mean of a channel over its range; only
     neighbours in that order are compared reading by reading.
     """
-    groups: dict[tuple[tuple[str, ...], int], list[tuple[float, int]]] = {}
+    groups: dict[tuple[tuple[str, ...], int], list[tuple[float, int, float]]] = {}
+    rich: dict[int, tuple[str, ...]] = {}
     for place, run in enumerate(runs):
-        names = tuple(sorted(c.name for c in columns_of(run.columns, *NOISY) if is_rich(run.columns[c.name])))
-        if names and all(np.isfinite(run.columns[name]).all() for name in names):
-            total = sum(float(np.mean(_over_range(run.columns[name]))) for name in names)
-            groups.setdefault((names, len(run)), []).append((total, place))
+        names = tuple(sorted(column.name for column in columns_of(run.columns, *NOISY)))
+        rich[place] = tuple(name for name in names if is_rich(run.columns[name]))
+        if rich[place] and all(np.isfinite(run.columns[name]).all() for name in rich[place]):
+            values = _over_range(run.columns[rich[place][0]])
+            mean = float(np.mean(values))
+            slack = max(ROUNDING, SHARE * _noise(run, values)) * (1 + SPREAD * abs(mean))  # a range is wider, too
+            groups.setdefault((names, len(run)), []).append((mean, place, slack))
     first: dict[int, int] = {}
-    for (names, _), group in groups.items():
+    for group in groups.values():
         group.sort()
-        for i, (total, place) in enumerate(group):
-            for other_total, other in reversed(group[:i]):
-                if total - other_total > ROUNDING * (1 + abs(total)):
+        for i, (mean, place, slack) in enumerate(group):
+            for other_mean, other, _ in reversed(group[max(0, i - NEIGHBOURS) : i]):
+                if mean - other_mean > slack:
                     break
-                if _alike(runs[place], runs[other], names):
+                if _alike(runs[place], runs[other], [name for name in rich[place] if name in rich[other]]):
                     one, later = sorted((first.get(other, other), place))
                     first[later] = one
                     break
@@ -67,10 +78,26 @@ def _over_range(values: Array) -> Array:
     return scaled
 
 
+def _noise(run: Run, values: Array) -> float:
+    """Return the noise of a channel in a motion by its third differences; 0 where these are the motion's own.
+
+    Those of noise change sign from row to row in arccos(-3/4) / pi = 0.77 of all, those of a smooth curve hardly ever.
+    """
+    third = np.diff(values, 3)
+    sign = np.sign(third[third != 0])
+    if run.kind != "motion" or len(sign) < FEWEST or np.mean(sign[1:] != sign[:-1]) < TURNS:
+        return 0.0
+    return float(np.median(np.abs(third)) * NORMAL / np.sqrt(20.0))
+
+
 def _alike(one: Run, other: Run, names: Sequence[str]) -> bool:
-    """Whether two runs read the same: to within rounding where there is noise, else to the last digit."""
+    """Whether two runs read the same: to within rounding, or by less than noise in each channel that shows some."""
     pairs = [(one.columns[name], other.columns[name]) for name in names]
-    if not any(is_noisy(values) for values, _ in pairs):
-        return all(np.array_equal(values, others) for values, others in pairs)
-    scaled = ((_over_range(values), _over_range(others)) for values, others in pairs)
-    return all(bool(np.all(np.abs(a - b) <= ROUNDING * (1 + np.abs(a)))) for a, b in scaled)
+    if all(np.array_equal(values, others) for values, others in pairs):
+        return bool(pairs)
+    scaled = [(_over_range(values), _over_range(others)) for values, others in pairs]
+    rounded = all(bool(np.all(np.abs(a - b) <= ROUNDING * (1 + np.abs(a)))) for a, b in scaled)
+    if rounded and any(is_noisy(values) for values, _ in pairs):
+        return True
+    noises = [(min(_noise(one, a), _noise(other, b)), float(np.sqrt(np.mean((a - b) ** 2)))) for a, b in scaled]
+    return any(noise for noise, _ in noises) and all(apart < SHARE * noise for noise, apart in noises if noise)

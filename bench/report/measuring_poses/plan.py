@@ -1,5 +1,6 @@
 """The next measuring poses for a robot, from its own instruments and rating, compared with those of a scenario."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, isfinite
 
@@ -61,8 +62,8 @@ class PosePlan:
         return None if self.reference is None else self.design.precision.efficiency(self.reference)
 
 
-def plan_poses(request: PoseRequest) -> PosePlan:
-    """Design poses for a robot with its own instruments and rating.
+def plan_poses(request: PoseRequest, phase: Callable[[str], None] = lambda words: None) -> PosePlan:
+    """Design poses for a robot with its own instruments and rating; `phase` is told what begins.
 
     Raises:
         InputError: The robot has no tracker, or no current sensor for currents, a scenario does not exist or is no
@@ -97,6 +98,7 @@ def plan_poses(request: PoseRequest) -> PosePlan:
         request.slanting,
         np.random.default_rng(request.seed),
         measured,
+        phase,
     )
     reads_loads = compiled.robot.figures.instruments.force is not None
     if other is None:

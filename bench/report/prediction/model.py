@@ -5,7 +5,7 @@ from pathlib import Path
 
 from bench.diagnose.replay.posterior import Posterior
 from bench.errors import RobotError
-from bench.report.diagnosis.file_names import ROBOT
+from bench.report.diagnosis.file_names import ROBOT, VERDICT
 from bench.report.handover.posterior_file import read_posterior
 from bench.robot.folder import FIGURES_FILE, Robot, load_robot
 
@@ -20,10 +20,30 @@ def load_model(model: str) -> Robot:
 
 
 def model_folder(model: str) -> str:
-    """Return the robot that `model` names; the folder of a diagnosis stands for the robot that it handed over."""
-    handed = os.path.join(model, ROBOT)  # noqa: PTH118  a name may be too long for pathlib
-    is_robot, is_handed = (os.path.isfile(os.path.join(one, FIGURES_FILE)) for one in (model, handed))  # noqa: PTH113,PTH118
-    return handed if is_handed and not is_robot else model
+    """Return the robot that `model` names; the folder of a diagnosis stands for the robot that it handed over.
+
+    Raises:
+        RobotError: It is the folder of a diagnosis that handed none over.
+    """
+    if os.path.isfile(os.path.join(model, FIGURES_FILE)):  # noqa: PTH113,PTH118  a name may be too long for pathlib
+        return model
+    handed = handed_over(model)
+    return handed if os.path.lexists(handed) else model
+
+
+def handed_over(diagnosis: str | Path) -> str:
+    """Return the folder of the robot that a diagnosis handed over, which exists if this is a diagnosis' folder.
+
+    Raises:
+        RobotError: It handed none over.
+    """
+    handed, verdict = (os.path.join(diagnosis, name) for name in (ROBOT, VERDICT))  # noqa: PTH118  as above
+    if os.path.isfile(verdict) and not os.path.lexists(handed):  # noqa: PTH113
+        raise RobotError(
+            f"{diagnosis}: this diagnosis handed no robot over: it ended before anything was weighed, or what it "
+            f"fitted is no robot ({VERDICT} says which); diagnose again, with more time where it was given --at-most."
+        )
+    return handed
 
 
 def known_of(folder: Path) -> Posterior | None:

@@ -1,5 +1,7 @@
 """What the actuators of somebody's file say of the drives."""
 
+from collections.abc import Iterator
+
 import mujoco
 import numpy as np
 
@@ -17,6 +19,19 @@ def torque_limit(model: mujoco.MjModel, j: int) -> float:
                 gain = abs(float(model.actuator_gainprm[actuator, 0]))
                 limits.append(gear * gain * float(np.max(np.abs(model.actuator_ctrlrange[control]))))
     return min(limits, default=0.0)
+
+
+def one_sided(model: mujoco.MjModel, j: int, name: str) -> Iterator[str]:
+    """Yield a sentence for each torque limit of a joint between whose ends zero does not lie; drives pull both ways."""
+    limits = [("actfrcrange", model.jnt_actfrcrange[j])] if model.jnt_actfrclimited[j] else []
+    limits += [
+        ("forcerange of its actuator", model.actuator_forcerange[actuator])
+        for actuator in _actuators_of(model, j)
+        if model.actuator_forcelimited[actuator]
+    ]
+    for what, (low, high) in limits:
+        if not low < 0 < high:
+            yield f'joint {name!r}: {what} is "{low:g} {high:g}"; a drive pulls both ways: from below 0 to above it.'
 
 
 def _actuators_of(model: mujoco.MjModel, j: int) -> list[int]:

@@ -29,21 +29,29 @@ def lost_balance(model: mujoco.MjModel, driven: Sequence[int], names: Sequence[s
     low, high = np.clip(low, -np.pi, np.pi), np.clip(high, -np.pi, np.pi)
     poses = np.random.default_rng(1).uniform(low, high, size=(POSES, len(driven)))
     dof, address = model.jnt_dofadr[driven], model.jnt_qposadr[driven]
-    gravity, of_joints, of_tendons = np.zeros((3, POSES, len(driven)))
+    tendons = _pulling(model)
+    gravity, of_joints = np.zeros((2, POSES, len(driven)))
+    of_tendons = np.zeros((len(tendons), POSES, len(driven)))
     data = mujoco.MjData(model)
+    joints_alone = _slack(model)
     for k, pose in enumerate(poses):
         data.qpos[address] = pose
         mujoco.mj_forward(model, data)
         gravity[k] = data.qfrc_bias[dof]
-        of_tendons[k] = data.qfrc_spring[dof] + _pulled(model, data)[dof]
-    joints_alone = _without_tendons(model)
-    for k, pose in enumerate(poses):
-        data.qpos[address] = pose
+        for i, tendon in enumerate(tendons):
+            of_tendons[i, k] = _pulled(model, data, tendon)[dof]
         mujoco.mj_forward(joints_alone, data)
         of_joints[k] = data.qfrc_spring[dof]
-    of_tendons -= of_joints
+    for i, tendon in enumerate(tendons):  # each by itself: an elastic element between drive and joint holds nothing up
+        alone = _slack(model, tendon)
+        for k, pose in enumerate(poses):
+            data.qpos[address] = pose
+            mujoco.mj_forward(alone, data)
+            of_tendons[i, k] += data.qfrc_spring[dof] - of_joints[k]
+    holding = [("the spring of the joint", of_joints)]
+    holding += [(_named(model, tendon), torque) for tendon, torque in zip(tendons, of_tendons, strict=True)]
     for j, name in enumerate(names):
-        for torque, what in ((of_joints, "the spring of the joint"), (of_tendons, _tendons(model))):
+        for what, torque in holding:
             left = gravity[:, j] - torque[:, j]
             if np.any(torque[:, j]) and np.sum(left**2) < np.sum(gravity[:, j] ** 2):
                 most, before = np.max(np.abs(torque[:, j])), np.max(np.abs(gravity[:, j]))
@@ -54,9 +62,15 @@ def lost_balance(model: mujoco.MjModel, driven: Sequence[int], names: Sequence[s
                 )
 
 
-def _pulled(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
-    """Return the generalised force of the actuators that pull at tendons, as they pull by themselves (controls 0)."""
-    on_tendon = model.actuator_trntype == mujoco.mjtTrn.mjTRN_TENDON
+def _pulling(model: mujoco.MjModel) -> list[int]:
+    """Return the tendons that pull by a spring or an actuator."""
+    by_actuator = model.actuator_trnid[model.actuator_trntype == mujoco.mjtTrn.mjTRN_TENDON, 0]
+    return [t for t in range(model.ntendon) if model.tendon_stiffness[t] > 0 or t in by_actuator]
+
+
+def _pulled(model: mujoco.MjModel, data: mujoco.MjData, tendon: int) -> Array:
+    """Return the generalised force of the actuators that pull at a tendon, as they pull by themselves (controls 0)."""
+    on_tendon = (model.actuator_trntype == mujoco.mjtTrn.mjTRN_TENDON) & (model.actuator_trnid[:, 0] == tendon)
     moment = np.zeros((len(on_tendon), model.nv))  # an actuator may have several controls, and `nu` counts those
     if len(on_tendon):
         mujoco.mju_sparse2dense(
@@ -66,16 +80,14 @@ def _pulled(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
     return found
 
 
-def _without_tendons(model: mujoco.MjModel) -> mujoco.MjModel:
-    """Return a copy of a model whose tendons have no springs."""
+def _slack(model: mujoco.MjModel, but: int | None = None) -> mujoco.MjModel:
+    """Return a copy of a model whose tendons have no springs, but for one."""
     slack = mujoco.MjModel.__copy__(model)
-    slack.tendon_stiffness[:] = 0
-    slack.tendon_stiffnesspoly[:] = 0
+    others = np.arange(model.ntendon) != but
+    slack.tendon_stiffness[others] = 0
+    slack.tendon_stiffnesspoly[others] = 0
     return slack
 
 
-def _tendons(model: mujoco.MjModel) -> str:
-    """Return which tendons pull by a spring or an actuator, in words."""
-    by_actuator = model.actuator_trnid[model.actuator_trntype == mujoco.mjtTrn.mjTRN_TENDON, 0]
-    pull = [t for t in range(model.ntendon) if model.tendon_stiffness[t] > 0 or t in by_actuator]
-    return f"tendon {' and '.join(repr(model.tendon(t).name or f'number {t}') for t in pull)}"
+def _named(model: mujoco.MjModel, tendon: int) -> str:
+    return f"tendon {model.tendon(tendon).name or f'number {tendon}'!r}"

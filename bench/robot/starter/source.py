@@ -10,7 +10,7 @@ import numpy as np
 
 from bench.errors import RobotError, unknown_names
 from bench.robot.plain_words import plain_words
-from bench.robot.starter.actuators import servo_gains, torque_limit
+from bench.robot.starter.actuators import one_sided, servo_gains, torque_limit
 from bench.robot.starter.balance import lost_balance
 from bench.robot.starter.places import Place, places
 from bench.robot.starter.urdf import Urdf, read_urdf
@@ -103,6 +103,8 @@ def read_source(file: Path, joints: Sequence[str] = (), load_point: str = "", re
     spec, model = _read(file, urdf)
     driven = _driven(file, model, joints)
     names, made_up = _name_joints(spec, driven)
+    if faults := [words for j, name in zip(driven, names, strict=True) for words in one_sided(model, j, name)]:
+        raise RobotError(f"{file}: {words}" for words in faults)
     speeds = urdf.speed_limits if urdf else {}
     described = tuple(_describe(model, j, name, speeds) for j, name in zip(driven, names, strict=True))
     guessed = _guessed_masses(spec)
@@ -213,7 +215,8 @@ def _name_joints(spec: mujoco.MjSpec, driven: list[int]) -> tuple[list[str], lis
 
 def _describe(model: mujoco.MjModel, j: int, name: str, speeds: Mapping[str, float]) -> SourceJoint:
     is_slide = bool(model.jnt_type[j] == SLIDE)
-    dof, has_limits = int(model.jnt_dofadr[j]), bool(model.jnt_limited[j])
+    dof = int(model.jnt_dofadr[j])
+    has_limits = bool(model.jnt_limited[j]) and bool(np.all(np.isfinite(model.jnt_range[j])))
     unlimited = TRAVEL if is_slide else TURN
     low, high = (float(x) for x in model.jnt_range[j]) if has_limits else (-unlimited, unlimited)
     home = float(model.key_qpos[0, model.jnt_qposadr[j]]) if model.nkey else 0.0

@@ -101,7 +101,8 @@ def test_requests_that_cannot_be_met(small_robot: Path, change: dict[str, object
 def test_command_prints_tables(capsys: pytest.CaptureFixture[str]) -> None:
     command = tyro.cli(Poses, args=["--robot", "hh150", "-n", "1", "--after", "loading", "--method", "force"])
     assert command.run() == 0
-    printed = capsys.readouterr().out
+    printed, during = capsys.readouterr()
+    assert [line.split()[1] for line in during.splitlines()] == ["drawing", "choosing", *["looking"] * 3]
     assert "these after loading" in printed
     assert "loading alone" in printed
     assert "D-efficiency" in printed
