@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from bench.diagnose.plausibility.channels import doubts_of
+from bench.diagnose.plausibility.hints import hints_of
 from bench.record.campaign import Campaign, Run
 from bench.record.convert import convert
 from bench.robot.compiled import CompiledRobot, compile_robot
@@ -67,6 +68,11 @@ def angles_of(joint: int) -> tuple[str, ...]:
 
 def test_honest_recordings_raise_no_doubt(arm: Campaign, kr300: CompiledRobot) -> None:
     assert doubts_of(arm, kr300) == ()
+
+
+def test_what_the_model_lacks_is_no_delay(arm: Campaign, kr300: CompiledRobot) -> None:
+    """Of a real axis 4 a delay of 206 ms explained 47 % of what is left, at 3.7 standard errors: it was told."""
+    assert [hint for hint in hints_of(arm, kr300) if "looks late" in hint.message] == []
 
 
 @pytest.mark.parametrize(

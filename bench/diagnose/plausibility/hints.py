@@ -194,10 +194,10 @@ def _factor(look: DriveLook, compiled: CompiledRobot) -> Factor:
 
 
 def _late(found: Iterable[Late], least: float, effect: str) -> Iterator[Finding]:
-    """Yield warnings of what is late; or early, as nothing is by itself, where that explains most of what is left."""
+    """Yield warnings of what is late, or early, where that explains most of what is left."""
     for late in found:
         delay = late.delay
-        if abs(delay.value) > least + SURE * delay.sigma and (delay.value > 0 or late.explains_most):
+        if abs(delay.value) > least + SURE * delay.sigma and late.explains_most:
             how = "late" if delay.value > 0 else "early"
             message = f"looks {how}, by about {1e3 * abs(delay.value):.0f} ms against the encoders"
             yield _hint(late.column, message, effect)
