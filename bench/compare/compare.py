@@ -80,6 +80,8 @@ def weighed(
     progress("signatures")
     background, found = _settled(joined((), None), rate, progress)
     for _ in range(MOST_LARGE):
+        if found.best:
+            progress("whether that is in proportion")
         large = found_large(background, found)
         if large is None:
             break
@@ -97,9 +99,8 @@ def weighed(
 def _settled(joint: Joint, rate: float, progress: Callable[[str], None]) -> tuple[Background, Found]:
     progress("what stayed as it was")
     background = background_of(joint)
-    progress("what changed")
     profiles = profiles_of(sum(not one.is_after for one in joint.recordings), days_of(joint.recordings))
-    return settled_changes(background, profiles, rate)
+    return settled_changes(background, profiles, rate, progress)
 
 
 def comparison_of(background: Background, found: Found, rate: float) -> Comparison:
