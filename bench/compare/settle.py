@@ -1,6 +1,6 @@
 """Noise and changes together: what the named changes leave is noise, and what is named has to stand out of that."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -18,8 +18,8 @@ def settled_changes(
     profiles: Sequence[Profile],
     rate: float,
     progress: Callable[[str], None] = lambda words: None,
-) -> tuple[Background, Found]:
-    """Return what changed, with noise that counts all that the named changes leave.
+) -> Iterator[tuple[Background, Found]]:
+    """Yield what changed, at last with noise that counts all that the named changes leave.
 
     At first noise is what not even everything together explains, which is too little where everything explains noise
     too. So what is named has to be found again with the noise that it leaves.
@@ -28,10 +28,11 @@ def settled_changes(
         background: All recordings, with noise that not even everything together explains.
         profiles: Courses.
         rate: Declared false-alarm rate.
-        progress: Called with what is done next.
+        progress: Called with what is done next; what it raises ends it.
     """
     progress("what changed")
     found = find_changes(background, profiles, rate)
+    yield background, found
     for _ in range(ROUNDS):
         named = found.best
         if not named:
@@ -46,7 +47,7 @@ def settled_changes(
             break
         progress("what changed, beside the noise that it leaves")
         before, background, found = found, settled, find_changes(settled, profiles, rate)
+        yield background, found
         moved = abs(found.alternatives[0].log_posterior - before.alternatives[0].log_posterior)
         if found.alternatives[0].keys == before.alternatives[0].keys and moved < SETTLED:
             break
-    return background, found
