@@ -36,16 +36,21 @@ class Compare:
     """Go on although channels failed plausibility checks; by default that ends in an error."""
     cores: int = 0
     """Processes; 0: one for each core. The result does not depend on it."""
+    at_most: str | None = None
+    """Time after which to end with what was found so far, such as 90, 60s or 2m; so does Ctrl-C."""
     store: bool = True
     """Keep simulated signatures on disk for later, and use those that are kept (bench/store/README.md)."""
 
     def run(self) -> int:
-        """Compare, print and write; return the exit code: 0 where nothing changed, 9 where something did."""
+        """Compare, print and write; return the exit code: 0: nothing changed; 9: something did; 7: ended early."""
+        import sys
         from contextlib import nullcontext
+        from math import inf
         from tempfile import TemporaryDirectory
 
         from bench.cli.doubts import heed
         from bench.cli.progress import phases
+        from bench.cli.stopping import UNFINISHED, ending_on_interrupt, seconds_of
         from bench.compare.as_it_was import as_it_was
         from bench.compare.compare import compare
         from bench.compare.recordings import recordings_of
@@ -53,7 +58,7 @@ class Compare:
         from bench.effects.own import try_out
         from bench.errors import InputError
         from bench.executor.local import on_cores
-        from bench.executor.watched import Watched
+        from bench.executor.watched import Stop, Stopped, Watched
         from bench.record.folder import new_folder
         from bench.report.comparison.recordings import open_compared
         from bench.report.comparison.words import words_of
@@ -63,6 +68,7 @@ class Compare:
 
         if not self.after:
             raise InputError("give the campaign of the machine as it was, and at least one made later.")
+        stop = Stop(inf if self.at_most is None else seconds_of(self.at_most))
         robot = load_model(self.robot) if self.robot else None
         known = catalogue()
         effects = catalogue(self.file)
@@ -73,20 +79,32 @@ class Compare:
         (name, before), *later = opened.campaigns.items()
         recordings = recordings_of({name: before}, dict(later))
         out = new_folder(self.out, COMPARISON, replace=False) if self.out else nullcontext()
-        with out as folder, phases() as shown, TemporaryDirectory() as files:
-            shown.phase("the robot as it was")
-            is_handed_over = robot is not None and known_of(robot.folder) is not None
-            fitted = as_it_was(before, compiled, Path(files), is_handed_over=is_handed_over)
-            executor = Watched(on_cores(self.cores), shows=shown.share)
-            store = open_store() if self.store else None
-            found = compare(recordings, fitted, effects, progress=shown.phase, executor=executor, store=store)
-            if folder:
-                write_comparison(found, folder, compiled.robot.figures.title, self.command)
+        try:
+            with ending_on_interrupt(stop), out as folder, phases() as shown, TemporaryDirectory() as files:
+                shown.phase("the robot as it was")
+                is_handed_over = robot is not None and known_of(robot.folder) is not None
+                fitted = as_it_was(before, compiled, Path(files), is_handed_over=is_handed_over)
+                found = compare(
+                    recordings,
+                    fitted,
+                    effects,
+                    progress=shown.phase,
+                    executor=Watched(on_cores(self.cores), check=stop.check, shows=shown.share),
+                    store=open_store() if self.store else None,
+                    check=stop.check,
+                )
+                if folder:
+                    write_comparison(found, folder, compiled.robot.figures.title, self.command)
+        except Stopped as stopped:
+            print(f"bench: {stopped}: nothing was weighed yet, so nothing is known of any change.", file=sys.stderr)
+            return UNFINISHED
         for line in words_of(found):
             print(line)
         if self.out:
             print(f"report     {self.out / REPORT}")
             print(f"numbers    {self.out / COMPARISON}")
+        if found.unfinished:
+            return UNFINISHED
         return CHANGED if found.has_changed else 0
 
     @property

@@ -1,6 +1,8 @@
 """From recordings to what changed between them."""
 
-from collections.abc import Callable, Mapping
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -21,10 +23,12 @@ from bench.compare.settle import settled_changes
 from bench.diagnose.diagnose import FALSE_ALARM_RATE
 from bench.diagnose.linearise.generic import Block
 from bench.diagnose.replay.segments import MOST_BINS
+from bench.diagnose.verdict import Unfinished
 from bench.effects.effect import Effect
 from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
+from bench.executor.watched import Check, Stopped, never
 from bench.robot.compiled import CompiledRobot
 from bench.store.store import Store
 
@@ -40,6 +44,7 @@ def compare(
     most_bins: int = MOST_BINS,
     executor: Executor = SERIAL,
     store: Store | None = None,
+    check: Check = never,
 ) -> Comparison:
     """Say what changed on a machine.
 
@@ -52,54 +57,86 @@ def compare(
         most_bins: How many bins the motion of each recording may have.
         executor: Where to simulate; results do not depend on it.
         store: Where signatures are kept between processes; None: nowhere.
+        check: Called before each step; where it raises `Stopped`, what was found so far is said.
 
     Raises:
+        Stopped: Before anything was found.
         InputError: A recording has nothing that a replay predicts, or no channel was read both before and after.
         ConvergenceError: The nominal model finds no balance along a measured motion.
     """
+    during = ""
+
+    def begin(words: str) -> None:
+        nonlocal during
+        during = words
+        progress(words)
+        check()
+
     with threadpool_limits(1, "blas"):
         joined = partial(joint_of, recordings, compiled, catalogue, most_bins, executor, store)
-        background, found = weighed(joined, rate, progress)
+        known, unfinished = None, None
+        try:
+            for one in weighing(joined, rate, begin):
+                known = one
+        except Stopped as stopped:
+            if known is None:
+                raise
+            unfinished = Unfinished(str(stopped), during)
+        assert known
         progress("values over the recordings")
-        return comparison_of(background, found, rate)
+        return replace(comparison_of(*known, rate), unfinished=unfinished)
 
 
 def weighed(
     joined: Callable[[tuple[LargeChange, ...], Joint | None], Joint],
     rate: float = FALSE_ALARM_RATE,
-    progress: Callable[[str], None] = lambda words: None,
 ) -> tuple[Background, Found]:
-    """Return what stayed as it was, with settled noise, and what changed.
+    """Return what stayed as it was, with settled noise, and what changed; see `weighing`."""
+    return _last(weighing(joined, rate))
+
+
+def weighing(
+    joined: Callable[[tuple[LargeChange, ...], Joint | None], Joint],
+    rate: float = FALSE_ALARM_RATE,
+    progress: Callable[[str], None] = lambda words: None,
+) -> Iterator[tuple[Background, Found]]:
+    """Yield what stayed as it was and what changed, at last with settled noise.
 
     Args:
         joined: Returns all recordings in one model that is linear about a machine with some changes, beside the one
             without.
         rate: Share of unchanged machines of which anything at all may be said to have changed.
-        progress: Called with what is done next.
+        progress: Called with what is done next; what it raises ends it.
     """
     progress("signatures")
-    background, found = _settled(joined((), None), rate, progress)
+    for background, found in _settling(joined((), None), rate, progress):
+        yield background, found
     for _ in range(MOST_LARGE):
+        if found.best:
+            progress("whether that is in proportion")
         large = found_large(background, found)
         if large is None:
             break
         progress(f"signatures beside {large.cause}")
         try:
-            again = _settled(joined((*background.joint.large, large), background.joint), rate, progress)
+            again = _last(_settling(joined((*background.joint.large, large), background.joint), rate, progress))
         except NOT_SIMULATED:  # signatures about the machine as it was have to do
             break
         if large.cause.key not in again[1].alternatives[0].keys:  # what it does beyond proportion is not there
             break
         background, found = again
-    return background, found
+        yield background, found
 
 
-def _settled(joint: Joint, rate: float, progress: Callable[[str], None]) -> tuple[Background, Found]:
+def _settling(joint: Joint, rate: float, progress: Callable[[str], None]) -> Iterator[tuple[Background, Found]]:
     progress("what stayed as it was")
     background = background_of(joint)
-    progress("what changed")
     profiles = profiles_of(sum(not one.is_after for one in joint.recordings), days_of(joint.recordings))
-    return settled_changes(background, profiles, rate)
+    return settled_changes(background, profiles, rate, progress)
+
+
+def _last(known: Iterator[tuple[Background, Found]]) -> tuple[Background, Found]:
+    return deque(known, maxlen=1)[0]
 
 
 def comparison_of(background: Background, found: Found, rate: float) -> Comparison:

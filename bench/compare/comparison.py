@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from bench.compare.profiles import Course
+from bench.diagnose.verdict import Unfinished
 from bench.effects.effect import Level
 
 NORMAL_90 = 1.645  # exact: standard deviations, of the intervals of a comparison
@@ -229,6 +230,7 @@ class Comparison:
         noise: How well channels repeat.
         drifts: What drifted from day to day, where the recordings tell it, beside the likeliest explanation.
         left_out: Columns that were read before or after alone, and say nothing of a change.
+        unfinished: Why it ended before it was done; None: it was.
     """
 
     recordings: tuple[Compared, ...]
@@ -242,6 +244,7 @@ class Comparison:
     noise: tuple[ChannelNoise, ...]
     drifts: tuple[Drift, ...] = ()
     left_out: tuple[str, ...] = ()
+    unfinished: Unfinished | None = None
 
     @property
     def has_changed(self) -> bool:

@@ -4,11 +4,13 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.compare.background import Background
+from bench.compare.courses import Courses, courses_of
 from bench.compare.profiles import Profile
 from bench.diagnose.extend.fit import BEYOND
-from bench.diagnose.linearise.marginal import Columns, Marginal
+from bench.diagnose.linearise.marginal import Marginal
 from bench.diagnose.linearise.screening import NARROWER, Entry
 from bench.diagnose.linearise.threshold import LEAST, family_threshold
 from bench.diagnose.name.groups import IN_SET
@@ -20,7 +22,7 @@ from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
 MOST_TERMS = 1000  # effort: that a search is given, the best by evidence: memory stays small with many recordings
-# rounding: norm of a whitened column per standard deviation of its size, of a course in which it never acts
+# rounding: norm of a column, whitened instant by instant, on a course on which it never acts
 INVISIBLE = 1e-6
 
 
@@ -116,26 +118,32 @@ def find_changes(background: Background, profiles: Sequence[Profile], rate: floa
         rate: Share of unchanged machines of which anything at all may be said to have changed.
     """
     screened: list[Screened] = []
-    possible: list[tuple[float, Possible]] = []
+    possible: list[Possible] = []
+    evidence: list[float] = []
+    courses = courses_of(background)
     every = np.arange(background.columns.shape[1])
+    signs = {id(entry): signs_of(entry, background.joint.linear.replay.compiled) for entry in background.entries}
     for profile in profiles:
-        marginal = _products(background, background.acting(every, profile.weights))
+        marginal = courses.marginal([(every, profile.weights)])
         seen = marginal.columns.squares > INVISIBLE**2
+        alone = marginal.multiplied
+        information = alone.diagonal
         entries = [entry for entry in background.entries if np.all(seen[entry.columns])]
-        priors = {id(entry): priors_of(entry, marginal.diagonal) for entry in entries}
-        signs = {id(entry): signs_of(entry, background.joint.linear.replay.compiled) for entry in entries}
+        priors = {id(entry): priors_of(entry, information) for entry in entries}
         blocks = [(entry.columns, *prior) for entry in entries for prior in priors[id(entry)]]
         threshold = family_threshold(marginal, blocks, rate / len(profiles), np.random.default_rng(0))
-        screened.append(Screened(profile, threshold, np.where(seen, marginal.diagonal, 0.0)))
-        for entry in entries:
-            for prior, share in priors[id(entry)]:
-                for sign, claims in signs[id(entry)]:
-                    odds = share - claims * threshold - (0.0 if entry.cause else LEAST)
-                    evidence = marginal.log_evidence(entry.columns, prior, sign) + odds
-                    possible.append((evidence, Possible(entry, profile, prior, sign, odds)))
-    possible.sort(key=lambda one: -one[0])
-    chosen = tuple(one for _, one in possible[:MOST_TERMS])
-    model = _model(background, chosen) if len(profiles) > 1 else _model_of(marginal, chosen)
+        screened.append(Screened(profile, threshold, np.where(seen, information, 0.0)))
+        mine = [
+            Possible(entry, profile, prior, sign, share - claims * threshold - (0.0 if entry.cause else LEAST))
+            for entry in entries
+            for prior, share in priors[id(entry)]
+            for sign, claims in signs[id(entry)]
+        ]
+        possible += mine
+        evidence += _evidence(alone, mine).tolist()
+    order = np.argsort(-np.array(evidence), kind="stable")
+    chosen = tuple(possible[i] for i in order[:MOST_TERMS])
+    model = _model(courses, chosen, len(every))
     visited = search(model)
     subsets = {subset.terms: subset for subset in (*visited, *exchanges(model, visited[0]))}
     alternatives = tuple(alternatives_of(model, subsets.values()))
@@ -188,30 +196,31 @@ def signs_of(entry: Entry, compiled: CompiledRobot) -> tuple[tuple[Array, int], 
     return ((grows, 1), (-grows, 2)) if np.any(grows) else ((grows, 1),)
 
 
-def _products(background: Background, columns: Array) -> Marginal:
-    return background.nuisances.products(background.white, Columns(columns))
+def _evidence(marginal: Marginal, possible: Sequence[Possible]) -> Array:
+    """Return the log evidence of each with its odds, shape (number,); those with as many sizes are weighed together."""
+    found = np.array([one.log_odds for one in possible])
+    count = np.array([len(one.prior) for one in possible])
+    for k in np.unique(count):
+        which = np.flatnonzero(count == k).tolist()
+        columns = np.stack([possible[i].entry.columns for i in which])
+        prior, sign = (np.stack([getattr(possible[i], name) for i in which]) for name in ("prior", "sign"))
+        found[which] += marginal.log_evidences(columns, prior, sign)
+    return found
 
 
-def _model(background: Background, possible: Sequence[Possible]) -> SubsetPosterior:
-    """Return the linearised model of what may have changed on any of several courses."""
-    profiles = list({id(one.profile): one.profile for one in possible}.values())
-    place = {}
-    parts: list[Array] = []
+def _model(courses: Courses, possible: Sequence[Possible], count: int) -> SubsetPosterior:
+    """Return the linearised model of what may have changed, each on its course, of `count` columns."""
+    which: list[tuple[NDArray[np.intp], Array]] = []
+    place: dict[int, NDArray[np.intp]] = {}
     start = 0
-    for profile in profiles:
-        which = np.unique(np.concatenate([one.entry.columns for one in possible if one.profile is profile]))
-        place[id(profile)] = np.full(background.columns.shape[1], -1)
-        place[id(profile)][which] = start + np.arange(len(which))
-        parts.append(background.acting(which, profile.weights))
-        start += len(which)
-    marginal = _products(background, np.concatenate(parts, axis=1) if parts else np.empty((len(background.white), 0)))
+    for profile in {id(one.profile): one.profile for one in possible}.values():
+        own = np.unique(np.concatenate([one.entry.columns for one in possible if one.profile is profile]))
+        place[id(profile)] = np.full(count, -1)
+        place[id(profile)][own] = start + np.arange(len(own))
+        which.append((own, profile.weights))
+        start += len(own)
+    marginal = courses.marginal(which)
     terms = [_term(one, place[id(one.profile)][one.entry.columns]) for one in possible]
-    return SubsetPosterior(marginal.information, marginal.scores, terms)
-
-
-def _model_of(marginal: Marginal, possible: Sequence[Possible]) -> SubsetPosterior:
-    """Return the linearised model of what may have changed on the only course, for the products of all columns."""
-    terms = [_term(one, one.entry.columns) for one in possible]
     return SubsetPosterior(marginal.information, marginal.scores, terms)
 
 

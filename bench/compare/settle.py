@@ -1,6 +1,6 @@
 """Noise and changes together: what the named changes leave is noise, and what is named has to stand out of that."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -13,8 +13,13 @@ ROUNDS = 3  # effort: of noise and names, in turn
 SETTLED = 0.5
 
 
-def settled_changes(background: Background, profiles: Sequence[Profile], rate: float) -> tuple[Background, Found]:
-    """Return what changed, with noise that counts all that the named changes leave.
+def settled_changes(
+    background: Background,
+    profiles: Sequence[Profile],
+    rate: float,
+    progress: Callable[[str], None] = lambda words: None,
+) -> Iterator[tuple[Background, Found]]:
+    """Yield what changed, at last with noise that counts all that the named changes leave.
 
     At first noise is what not even everything together explains, which is too little where everything explains noise
     too. So what is named has to be found again with the noise that it leaves.
@@ -23,8 +28,11 @@ def settled_changes(background: Background, profiles: Sequence[Profile], rate: f
         background: All recordings, with noise that not even everything together explains.
         profiles: Courses.
         rate: Declared false-alarm rate.
+        progress: Called with what is done next; what it raises ends it.
     """
+    progress("what changed")
     found = find_changes(background, profiles, rate)
+    yield background, found
     for _ in range(ROUNDS):
         named = found.best
         if not named:
@@ -37,8 +45,9 @@ def settled_changes(background: Background, profiles: Sequence[Profile], rate: f
         settled = settled_background(background, np.concatenate(changes, axis=1))
         if settled is background:
             break
+        progress("what changed, beside the noise that it leaves")
         before, background, found = found, settled, find_changes(settled, profiles, rate)
+        yield background, found
         moved = abs(found.alternatives[0].log_posterior - before.alternatives[0].log_posterior)
         if found.alternatives[0].keys == before.alternatives[0].keys and moved < SETTLED:
             break
-    return background, found

@@ -31,12 +31,14 @@ class SharedWhitening:
     Attributes:
         linear: The model.
         cells: Shape (m, m), takes back what the readings of a cell have in common.
+        along: Shape (g, m), what those of each cell have in common, of length one, or none.
         back: Shape (g,), by how much each of the cells is taken back.
         tied: Of each set of tied segments, its rows, orthonormal modes, and by how much these are taken back.
     """
 
     linear: LinearisedModel
     cells: csr_array
+    along: csr_array
     back: Array
     tied: tuple[tuple[NDArray[np.intp], Array, Array], ...]
 
@@ -54,6 +56,40 @@ class SharedWhitening:
             take_out(some, modes, back)
             found[mine] = some
         return found
+
+    def transposed(self, values: Array) -> Array:
+        """Return the transpose of `of_instants`, times values, shape (m, k)."""
+        found = values.copy()
+        for mine, modes, back in self.tied:
+            some = found[mine]
+            take_out(some, modes, back)
+            found[mine] = some
+        return np.asarray(self.cells @ found, dtype=np.float64)
+
+    def taken(self, values: Array, rows: NDArray[np.intp]) -> tuple[NDArray[np.intp], Array]:
+        """Return what whitening takes from the products of values that some rows alone have.
+
+        Two vectors v and w have the product v' w - (C v)' (C w) when whitened. C has a row for each mode of tied
+        segments and for each cell.
+
+        Args:
+            values: Shape (n, k), whitened instant by instant.
+            rows: Shape (n,).
+
+        Returns:
+            Shape (l,), rows of C v that are not zero, and shape (l, k), these.
+        """
+        parts, which, start = [], [], 0
+        for mine, modes, back in self.tied:
+            along = np.asarray(self.cells[rows][:, mine] @ modes, dtype=np.float64) * np.sqrt(back * (2 - back))
+            here = np.flatnonzero(np.any(along, axis=1))
+            if len(here):
+                parts.append(along[here].T @ values[here])
+                which.append(start + np.arange(len(back)))
+            start += len(back)
+        along = diags_array(np.sqrt(self.back * (2 - self.back))) @ self.along[:, rows]
+        here = np.flatnonzero(abs(along).sum(axis=1))
+        return np.concatenate([*which, start + here]), np.concatenate([*parts, along[here] @ values])
 
     @property
     def log_determinant(self) -> float:
@@ -91,7 +127,7 @@ def shared_whitening(linear: LinearisedModel, repeatability: Repeatability, cell
     along = csr_array((weights, (group, np.arange(m))), shape=(len(square), m))
     back = 1 - 1 / np.sqrt(1 + square)
     settled = csr_array(eye_array(m) - along.T @ (diags_array(back) @ along))  # one pass over many columns
-    return SharedWhitening(linear, settled, back, tuple(_tied(linear, settled, cells)))
+    return SharedWhitening(linear, settled, along, back, tuple(_tied(linear, settled, cells)))
 
 
 def _tied(

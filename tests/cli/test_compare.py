@@ -1,7 +1,9 @@
 """`bench compare`: exit codes, files, and what cannot be compared."""
 
 import json
+import os
 import shutil
+import signal
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +13,7 @@ import pytest
 from bench import paths
 from bench.cli import main
 from bench.cli.compare import CHANGED
+from bench.cli.stopping import UNFINISHED
 from bench.diagnose.replay.posterior import Posterior
 from bench.errors import InputError
 from bench.record.campaign import Campaign
@@ -47,6 +50,34 @@ def test_a_change_ends_with_its_code_and_writes_page_and_numbers(
     assert capsys.readouterr().out.startswith("Changed: ")
     assert json.loads((out / "compare.json").read_text())["has_changed"] is True
     assert "bench compare" in (out / "report.html").read_text()
+
+
+def test_what_ends_before_anything_was_weighed_leaves_nothing(
+    campaigns: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = [str(campaigns / "may"), str(campaigns / "july"), "-o", str(tmp_path / "out"), "--at-most", "0.001"]
+    assert main(["compare", *arguments, "--no-store", "--cores", "1"]) == UNFINISHED
+    assert "ended after 0.001 s: nothing was weighed yet" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_ends_early_hands_over_what_was_found(
+    campaigns: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*given: object) -> None:
+        os.kill(os.getpid(), signal.SIGINT)  # as somebody who waits for it
+
+    monkeypatch.setattr("bench.compare.settle.settled_background", lambda background, changes: interrupted())
+    arguments = [str(campaigns / "may"), str(campaigns / "july"), "-o", str(tmp_path / "out"), "--no-store"]
+    assert main(["compare", *arguments, "--cores", "1"]) == UNFINISHED
+    said = capsys.readouterr().out
+    assert said.startswith("Unfinished (interrupted, during: what changed, beside the noise that it leaves). So far: ")
+    assert "gas" in said.splitlines()[0]
+    assert "ended before it was done" in said.splitlines()[1]
+    written = json.loads((tmp_path / "out" / "compare.json").read_text())
+    assert written["has_changed"] is True
+    assert written["unfinished"]["why"] == "interrupted"
+    assert "ended before it was done" in (tmp_path / "out" / "report.html").read_text()
 
 
 def test_what_is_not_used_is_said(campaigns: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

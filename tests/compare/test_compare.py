@@ -4,11 +4,13 @@ from collections.abc import Mapping
 from functools import cache
 
 import numpy as np
+import pytest
 
 from bench.compare.compare import compare
 from bench.compare.comparison import Comparison
 from bench.compare.recordings import recordings_of
 from bench.effects.catalogue import catalogue
+from bench.executor.watched import Stopped
 from bench.scenario.files import Experiment
 from tests.diagnose.sweeps import SWEEP, SWEEPS, made, nominal
 
@@ -18,7 +20,9 @@ LOST = 0.004  # of the gas, between the recordings; alone it takes 0.05 to be to
 
 
 @cache
-def compared(change: tuple[tuple[str, float], ...] = (), later: str = "same", count: int = 1) -> Comparison:
+def compared(
+    change: tuple[tuple[str, float], ...] = (), later: str = "same", count: int = 1, stop_at: str = ""
+) -> Comparison:
     sessions: Mapping[str, Experiment] = {"same": SWEEPS, "other": SWEEP}
     after = {}
     for k in range(1, count + 1):
@@ -26,7 +30,17 @@ def compared(change: tuple[tuple[str, float], ...] = (), later: str = "same", co
         hidden = {name: STAYS.get(name, 0.0) + grown.get(name, 0.0) for name in {**STAYS, **grown}}
         after[f"day{k}"] = made(sessions[later], 20 + k, hidden, machine=11)
     recordings = recordings_of({"before": made(SWEEPS, 20, STAYS, machine=11)}, after)
-    return compare(recordings, nominal(), catalogue(), most_bins=100)
+    now = ""
+
+    def begin(words: str) -> None:
+        nonlocal now
+        now = words
+
+    def check() -> None:
+        if now == stop_at:
+            raise Stopped("interrupted")
+
+    return compare(recordings, nominal(), catalogue(), progress=begin, most_bins=100, check=check)
 
 
 def test_a_machine_that_stayed_as_wrong_as_it_was_has_not_changed() -> None:
@@ -49,6 +63,18 @@ def test_gas_that_is_lost_between_two_recordings_is_found() -> None:
     assert size.low < LOST < size.high
     assert size.high - size.low < LOST
     assert one.nonlinearity < 0.05
+    assert found.unfinished is None
+
+
+def test_what_is_stopped_hands_over_what_was_found_so_far() -> None:
+    """Ctrl-C after minutes of work left nothing."""
+    found = compared((("gas_loss", LOST),), stop_at="whether that is in proportion")
+    assert found.unfinished
+    assert (found.unfinished.why, found.unfinished.during) == ("interrupted", "whether that is in proportion")
+    assert "gas_loss" in {change.effect for explanation in found.explanations for change in explanation.changes}
+    assert found.components
+    with pytest.raises(Stopped, match="interrupted"):
+        compared((("gas_loss", LOST),), stop_at="what stayed as it was")
 
 
 def test_another_motion_tells_what_only_the_model_ties_together() -> None:

@@ -1,8 +1,5 @@
 """Where all friction of a drive grew and one kind of it is named, its interval holds by how much that one grew."""
 
-from types import SimpleNamespace
-from typing import cast
-
 import numpy as np
 import pytest
 
@@ -12,11 +9,11 @@ from bench.compare.moved_along import averaged, moved_along
 from bench.compare.profiles import profiles_of
 from bench.compare.search_changes import Found, find_changes, sizes_of
 from bench.diagnose.linearise.candidates import Candidate, Cause
-from bench.diagnose.linearise.marginal import Nuisances
 from bench.diagnose.linearise.screening import Entry
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Place
 from bench.record.campaign import Array
+from tests.compare.once import seen_once
 from tests.diagnose.sweeps import nominal
 
 READINGS = 60
@@ -52,16 +49,8 @@ def found_of(names: tuple[str, ...], *, elsewhere: bool = False) -> tuple[Backgr
         for i, name in enumerate(names)
     )
     columns = np.stack([shown[name] for name in names], axis=1)
-    background = SimpleNamespace(
-        entries=entries,
-        columns=columns,
-        white=change,
-        nuisances=Nuisances(np.zeros((READINGS, 1))),
-        acting=lambda which, weights: columns[:, which],
-        joint=SimpleNamespace(linear=SimpleNamespace(replay=SimpleNamespace(compiled=nominal()))),
-    )
-    known = cast(Background, background)
-    return known, find_changes(known, profiles_of(1, np.array([np.nan, np.nan])), RATE)
+    background = seen_once(entries, columns, change, nominal())
+    return background, find_changes(background, profiles_of(1, np.array([np.nan, np.nan])), RATE)
 
 
 def test_the_interval_of_coulomb_friction_holds_where_load_friction_grew_as_well() -> None:

@@ -1,18 +1,14 @@
 """What a robot has none of cannot become less, unless it had some that its model lacks: two things are said then."""
 
 from pathlib import Path
-from types import SimpleNamespace
-from typing import cast
 
 import numpy as np
 import pytest
 
-from bench.compare.background import Background
 from bench.compare.explain import NONE_TO_LOSE, advice_of
 from bench.compare.profiles import profiles_of
 from bench.compare.search_changes import Found, find_changes, signs_of
 from bench.diagnose.linearise.candidates import Candidate, Cause
-from bench.diagnose.linearise.marginal import Nuisances
 from bench.diagnose.linearise.screening import Entry
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Conditions, Place
@@ -21,6 +17,7 @@ from bench.robot.compiled import CompiledRobot, compile_robot, compile_spec, rea
 from bench.robot.fitted import Fitted, FittedEffect
 from bench.robot.folder import load_robot
 from bench.robot.write import write_robot
+from tests.compare.once import seen_once
 from tests.diagnose.sweeps import nominal
 
 READINGS = 50
@@ -57,15 +54,8 @@ def found_of(change: float, robot: CompiledRobot) -> Found:
     column = np.full((READINGS, 1), READINGS**-0.5)
     entries = tuple(entry_of(name, column, i) for i, name in enumerate(("load_friction", "coulomb_level")))
     columns = np.repeat(column, 2, axis=1)
-    background = SimpleNamespace(
-        entries=entries,
-        columns=columns,
-        white=change * column[:, 0],
-        nuisances=Nuisances(np.zeros((READINGS, 1))),
-        acting=lambda which, weights: columns[:, which],
-        joint=SimpleNamespace(linear=SimpleNamespace(replay=SimpleNamespace(compiled=robot))),
-    )
-    return find_changes(cast(Background, background), profiles_of(1, np.array([np.nan, np.nan])), RATE)
+    background = seen_once(entries, columns, change * column[:, 0], robot)
+    return find_changes(background, profiles_of(1, np.array([np.nan, np.nan])), RATE)
 
 
 def odds_of(found: Found, name: str) -> float:

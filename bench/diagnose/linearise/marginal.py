@@ -66,6 +66,33 @@ class Columns:
         cross: Array = self._cross
         return cross
 
+    def with_all(self, columns: Array) -> Array:
+        """Return the inner products of some columns with all, shape (k, q)."""
+        products: Array = self.matrix[:, columns].T @ self.matrix
+        return products
+
+
+class Gram(Columns):
+    """Columns that are known by their inner products alone.
+
+    Args:
+        gram: Shape (q, q), X^T X.
+    """
+
+    def __init__(self, gram: Array) -> None:
+        super().__init__(np.empty((0, len(gram))))
+        self._gram = gram
+
+    @cached_property
+    def squares(self) -> Array:
+        """Shape (q,), diagonal of X^T X."""
+        return np.diagonal(self.gram)
+
+    def with_all(self, columns: Array) -> Array:
+        """Return the inner products of some columns with all, shape (k, q)."""
+        products: Array = self.gram[columns]
+        return products
+
 
 @dataclass(frozen=True, eq=False)
 class Marginal:
@@ -83,11 +110,16 @@ class Marginal:
     columns: Columns
     reduced: Array
 
-    @property
+    @cached_property
     def information(self) -> Array:
         """Shape (q, q), X^T M^-1 X."""
         information: Array = self.columns.gram - self.reduced.T @ self.reduced
         return information
+
+    @property
+    def multiplied(self) -> "Marginal":
+        """The same with information in the place of X^T X and R, for many small blocks of it."""
+        return Marginal(self.misfit, self.scores, Gram(self.information), np.empty((0, len(self.scores))))
 
     @property
     def diagonal(self) -> Array:
@@ -123,8 +155,7 @@ class Marginal:
         if len(columns) == 0:
             return self
         root = np.linalg.cholesky(self._penalised(columns, prior))
-        own = self.columns.matrix[:, columns]
-        cross = own.T @ self.columns.matrix - self.reduced[:, columns].T @ self.reduced
+        cross = self.columns.with_all(columns) - self.reduced[:, columns].T @ self.reduced
         more = solve_triangular(root, np.column_stack([cross, self.scores[columns]]), lower=True)
         reduced, pull = more[:, :-1], more[:, -1]
         both = np.concatenate([self.reduced, reduced])
@@ -192,6 +223,10 @@ class Nuisances:
         """Half of the logarithm of the determinant of M, the covariance of whitened readings."""
         return float(np.sum(np.log(np.diag(self._factor))))
 
+    def reduced(self, cross: Array) -> Array:
+        """Return R, shape (p, k), for A^T X, shape (p, k)."""
+        return np.asarray(solve_triangular(self._factor, cross, lower=True), dtype=np.float64)
+
     def most_probable(self, white: Array) -> Array:
         """Return the most probable sizes of all nuisances, shape (p,), for whitened residuals of shape (m,)."""
         return np.asarray(cho_solve((self._factor, True), self.jacobian.T @ white), dtype=np.float64)
@@ -202,7 +237,7 @@ class Nuisances:
 
     def regression(self, known: Array, columns: Array) -> Array:
         """Return the coefficients of columns, shape (m, k), on known ones, shape (m, n): shape (n, k)."""
-        reduced = [solve_triangular(self._factor, self.jacobian.T @ some, lower=True) for some in (known, columns)]
+        reduced = [self.reduced(self.jacobian.T @ some) for some in (known, columns)]
         information = known.T @ known - reduced[0].T @ reduced[0]
         information[np.diag_indices_from(information)] += JITTER * np.maximum(np.diag(information), 1.0)
         cross = known.T @ columns - reduced[0].T @ reduced[1]
@@ -212,7 +247,7 @@ class Nuisances:
         """Return the inner products of a whitened residual, shape (m,), and columns, shape (m, q)."""
         if not isinstance(columns, Columns):
             columns = Columns(columns)
-        reduced = solve_triangular(self._factor, columns.with_slopes(self.jacobian), lower=True)
-        pull = solve_triangular(self._factor, self.jacobian.T @ white, lower=True)
+        reduced = self.reduced(columns.with_slopes(self.jacobian))
+        pull = self.reduced(self.jacobian.T @ white)
         scores = columns.matrix.T @ white - pull @ reduced
         return Marginal(float(white @ white - pull @ pull), scores, columns, reduced)

@@ -29,11 +29,28 @@ BEST_LIMITS = 8
 SURE = 0.9  # declared, as of an interval: probability of a name from which on a headline says it without the others
 OTHERS = "; and others, listed below"
 LEAST = 1e-12  # of a probability that is said: none is nothing
+UNFINISHED = (
+    "This comparison ended before it was done: what is named was not yet held against the noise that it leaves, nor "
+    "against what it does beyond proportion, so chance names a change more often than is said here."
+)
 NONLINEAR = 0.12  # of a signature; beyond, its size is not to be taken at its word (diagnose/linearise/README.md: 12 %)
 
 
 def headline(comparison: Comparison) -> str:
-    """Return what changed in one sentence."""
+    """Return what changed in one sentence; of a comparison that is unfinished, that first."""
+    if not comparison.unfinished:
+        return _headline(comparison)
+    return f"Unfinished ({comparison.unfinished.why}, during: {comparison.unfinished.during}). So far: " + _headline(
+        comparison
+    )
+
+
+def unfinished_sentence(comparison: Comparison) -> str:
+    """Return what it means that a comparison is unfinished, "" where it is finished."""
+    return UNFINISHED if comparison.unfinished else ""
+
+
+def _headline(comparison: Comparison) -> str:
     if comparison.unlisted:
         course = course_words(comparison.unlisted, comparison)
         found = f"Changed, not listed: {unlisted_words(comparison.unlisted)}"
@@ -87,6 +104,8 @@ def _undecided(findings: Sequence[ChangedFinding], room: int, *, is_open: bool) 
 def words_of(comparison: Comparison) -> Iterator[str]:
     """Yield the lines of a comparison for the terminal."""
     yield headline(comparison)
+    if comparison.unfinished:
+        yield unfinished_sentence(comparison)
     yield basis_sentence(comparison)
     yield from findings_sentences(comparison)
     yield from drift_sentences(comparison)
