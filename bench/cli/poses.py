@@ -36,7 +36,7 @@ class Poses(PoseRequest):
         checked_seed(self.seed)
         if self.out is not None:
             refuse_to_overwrite(self.out)
-        with phases() as shown:
+        with phases(lines=False) as shown:
             plan = plan_poses(self, shown.phase)
         if self.out is not None:
             write_scenario(plan, self.out)

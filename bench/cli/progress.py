@@ -15,15 +15,17 @@ LEAST_S = 0.1  # between two pictures of the bar
 class Phases:
     """What is done now, one thing after the other, each with a bar of its own on a terminal and a line elsewhere."""
 
-    def __init__(self, bars: "Progress | None") -> None:
+    def __init__(self, bars: "Progress | None", *, lines: bool = True) -> None:
         self._bars = bars
+        self._lines = lines
         self._shown = 0.0
         self._task = bars.add_task("", total=1.0) if bars else None
 
     def phase(self, words: str) -> None:
         """Begin something; it is not known how long it takes."""
         if self._bars is None or self._task is None:
-            print(f"... {words}", file=sys.stderr, flush=True)
+            if self._lines:
+                print(f"... {words}", file=sys.stderr, flush=True)
             return
         self._bars.remove_task(self._task)
         self._task = self._bars.add_task(words, total=None)
@@ -40,10 +42,10 @@ class Phases:
 
 
 @contextmanager
-def phases() -> Iterator[Phases]:
-    """Yield what shows one phase after the other."""
+def phases(*, lines: bool = True) -> Iterator[Phases]:
+    """Yield what shows one phase after the other; where there is no terminal, in lines, if they are wanted."""
     with _bars() as bars:
-        yield Phases(bars)
+        yield Phases(bars, lines=lines)
 
 
 @contextmanager

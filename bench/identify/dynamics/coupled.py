@@ -13,9 +13,9 @@ from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.rows import DriveRows
 from bench.record.campaign import Array
 
-# effort: turns of the motor with the other joint, to one with its own, as looked for at first and about the best;
-# the sign of a sum is much the same for ratios that are nearer than the steps
+# effort: turns of the motor with the other joint, to one with its own, as looked for at first
 FIRST = (-1.0, -0.5, 0.5, 1.0)
+# effort: beside the best of them; the sign of a sum is much the same for ratios that are nearer than the steps
 NEARER = np.arange(-3, 4) / 8
 # declared: of the mean square that both joints' own friction and inertia leave, as of friction that warms up. The best
 # of some hundred columns explains as much of N independent readings by chance where N is below twenty
