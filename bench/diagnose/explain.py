@@ -143,7 +143,7 @@ def explained(
     measured = measured_by(campaign)
     around = Neighbourhood(compiled, task.catalogue, measured, task.rate, task.executor, recorded, reach, farther)
     linear, screening = around.weighed(linear, farther(signatures.causes), sensitivities)
-    naming = name_cause(linear, screening, around.about, progress, task.executor, earlier, told)
+    naming = name_cause(linear, screening, around.about, progress, task.executor, earlier, told, learns=learns)
     found = Explained(signatures, segments, naming, naming.linear)
     try:
         if naming.stopped:

@@ -121,18 +121,24 @@ class Fitter:
             {candidate.keys: candidate for candidate in candidates if candidate.keys not in self.models}.values()
         )
         fits = self._fits(new)
-        done = [(candidate, *fit) for candidate, fit in zip(new, fits, strict=True) if fit]
+        done = {one.keys: (one, *fit) for one, fit in zip(new, fits, strict=True) if fit}
+        self.models |= {one.keys: self._model(*done[one.keys]) if one.keys in done else None for one in new}
+        # trials that lose what they do not need come to the same model: it is the likeliest of their fits, settled once
+        every = sorted(filter(None, self.models.values()), key=lambda model: model.log_posterior)
+        same: dict[frozenset[Hashable], Model | None] = {model.keys: model for model in every}
         # derivatives about a model take a simulation for each nuisance: only where they may decide
-        known = [model.fit for model in self.models.values() if model]
-        best = max((fit.log_evidence for fit in (*known, *(fit for _, fit, _ in done))), default=-np.inf)
+        least = max((model.fit.log_evidence for model in every), default=-np.inf) - MOST_GAINED
         open_ones = [
-            one for one in done if self.settles and not one[1].is_settled and one[1].log_evidence > best - MOST_GAINED
+            one
+            for keys, one in done.items()
+            if self.settles and (model := self.models[keys]) and model is same[model.keys]
+            if not one[1].is_settled and one[1].log_evidence > least
         ]
         settled = in_order(self.executor, partial(settled_of, self.linear), open_ones)
-        better = {one[0].keys: fit for one, fit in zip(open_ones, settled, strict=True)}
-        self.models |= dict.fromkeys((candidate.keys for candidate in new), None)
-        for candidate, fit, kept in done:
-            self.models[candidate.keys] = self._model(candidate, better.get(candidate.keys, fit), kept)
+        for (candidate, _, kept), fit in zip(open_ones, settled, strict=True):
+            if model := self.models[candidate.keys]:
+                same[model.keys] = self._model(candidate, fit, kept)
+        self.models = {keys: same[model.keys] if model else None for keys, model in self.models.items()}
         models = (self.models[keys] for keys in dict.fromkeys(candidate.keys for candidate in candidates))
         unique = {model.keys: model for model in models if model is not None}
         return list(unique.values())

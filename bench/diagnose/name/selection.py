@@ -50,6 +50,8 @@ def name_cause(
     executor: Executor = SERIAL,
     earlier: Sequence[Fit] = (),
     told: Collection[tuple[str, int]] = (),
+    *,
+    learns: bool = True,
 ) -> Naming:
     """Name what is wrong with the nominal model, or what of it was found when the work was stopped.
 
@@ -61,8 +63,10 @@ def name_cause(
         executor: Where to fit.
         earlier: Fits of the campaign with other priors, to begin from.
         told: What a first pass has: names of effects, each with the index of its drive.
+        learns: False: where something stays unlisted, nothing else is asked. The rounds end once the last search has
+            tried what is listed in its place.
     """
-    selection, why = _Selection(linear, screening, renew, progress, executor, earlier, told), ""
+    selection, why = _Selection(linear, screening, renew, progress, executor, earlier, told, learns), ""
     try:
         selection.begin()
         selection.run()
@@ -78,7 +82,7 @@ class _Selection:
 
     Attributes:
         linear: The campaign about the best model, or about the one before that found a balance.
-        screening, renew, progress, executor, earlier, told: As of `name_cause`.
+        screening, renew, progress, executor, earlier, told, learns: As of `name_cause`.
         models: Those that the last search simulated, the most probable first.
         findings: Of the best model, each held against what was held out.
         refusals: What did not pay.
@@ -96,6 +100,7 @@ class _Selection:
     executor: Executor
     earlier: Sequence[Fit] = ()
     told: Collection[tuple[str, int]] = ()
+    learns: bool = True
     models: tuple[Model, ...] = ()
     findings: dict[Hashable, Finding] = field(default_factory=dict)
     refusals: Refusals = field(default_factory=Refusals)
@@ -157,6 +162,8 @@ class _Selection:
         for count in range(1, MOST_ROUNDS + 1):
             before = self.best.keys
             self._search(is_last=is_last)
+            if is_last and self.best.shape and not self.learns:
+                return
             if self.best.keys != before and self.best.keys not in seen:
                 seen.add(before)
             elif not self.best.keys:
