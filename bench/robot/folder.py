@@ -18,7 +18,7 @@ from bench.robot.figures import Figures
 from bench.robot.one_or_each import LIST, NUMBER
 
 FIGURES_FILE = "figures.yaml"
-NOT_THERE = (errno.ENOENT, errno.ENOTDIR, errno.ENAMETOOLONG)
+NOT_THERE = (errno.ENOENT, errno.ENOTDIR, errno.ENAMETOOLONG, errno.ELOOP)  # of a folder: it leads nowhere
 MJCF_ENDINGS = (".xml", ".mjcf")
 
 
