@@ -16,6 +16,7 @@ from bench.compare.explain import explanations_of, findings_of
 from bench.compare.fit_large import found_large
 from bench.compare.joint import Joint, joint_of
 from bench.compare.large import LargeChange
+from bench.compare.moved_along import moved_along
 from bench.compare.profiles import profiles_of
 from bench.compare.recordings import Recording, days_of
 from bench.compare.search_changes import Found
@@ -141,15 +142,17 @@ def _last(known: Iterator[tuple[Background, Found]]) -> tuple[Background, Found]
 
 def comparison_of(background: Background, found: Found, rate: float) -> Comparison:
     """Return what is said of that; `rate` is the one with which it was weighed."""
+    near = [found.alternatives[i].best.terms for i in found.near] if found.alternatives[0].keys else []
+    along = {terms: moved_along(background, found, terms) for terms in near}
     return Comparison(
         recordings=_compared(background),
         false_alarm_rate=rate,
         threshold=found.screened[0].threshold,
         probability_unchanged=found.probability_unchanged,
-        explanations=explanations_of(background, found),
+        explanations=explanations_of(background, found, along),
         findings=findings_of(found),
         unlisted=_unlisted(background, found),
-        components=components_of(background, found, sum(not one.is_after for one in background.joint.recordings)),
+        components=components_of(background, found, along),
         noise=_noise(background),
         drifts=drifts_of(background, found),
         left_out=background.joint.left_out,

@@ -1,6 +1,7 @@
 """Every parameter of every cause of the machine over the recordings, with what would have been found of it."""
 
 import itertools
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from bench.compare.background import Background
 from bench.compare.comparison import Component, Interval
 from bench.compare.explain import interval_of
-from bench.compare.moved_along import averaged, moved_along
+from bench.compare.moved_along import Along, averaged
 from bench.compare.search_changes import Found, priors_of
 from bench.diagnose.linearise.candidates import Candidate, Cause, shape_grid
 from bench.diagnose.linearise.limits import smallest_found
@@ -37,7 +38,9 @@ def _sigma(covariance: Array) -> Array:
     return np.asarray(np.sqrt(np.diag(covariance)), dtype=np.float64)
 
 
-def components_of(background: Background, found: Found, n_before: int) -> tuple[Component, ...]:
+def components_of(
+    background: Background, found: Found, along: Mapping[tuple[int, ...], Along]
+) -> tuple[Component, ...]:
     """Return every component, those that are named first, then by how small a part of its range would have been found.
 
     The value of a component in a recording is fitted beside all other changes of the likeliest explanation that it is
@@ -46,9 +49,9 @@ def components_of(background: Background, found: Found, n_before: int) -> tuple[
     Args:
         background: All recordings.
         found: What changed.
-        n_before: Recordings before.
+        along: What may have moved along with the changes of each explanation.
     """
-    near = [found.alternatives[i].best.terms for i in found.near] if found.alternatives[0].keys else []
+    near = list(along)
     explanation: dict[object, tuple[int, ...]] = {}
     for terms in near:
         for term in terms:
@@ -59,7 +62,7 @@ def components_of(background: Background, found: Found, n_before: int) -> tuple[
     entries = _one_shape_each(background, found, taken)
     columns = np.concatenate([entry.columns for entry in entries]).astype(np.intp)
     count = len(background.joint.recordings)
-    along = {terms: moved_along(background, found, terms) for terms in near}
+    n_before = sum(not one.is_after for one in background.joint.recordings)
     own = [background.acting(found.possible[i].entry.columns, found.possible[i].profile.weights) for i in acting]
     own += [one.columns for one in along.values()]
     each = [background.acting(columns, np.eye(count)[k]) for k in range(n_before, count)]

@@ -1,5 +1,7 @@
 """From the posterior over subsets to named changes, with sizes, intervals and what simulation says of them."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from bench.compare.background import Background
@@ -13,7 +15,7 @@ from bench.compare.comparison import (
     PossibleName,
 )
 from bench.compare.fit_large import departure, large_change
-from bench.compare.moved_along import moved_along
+from bench.compare.moved_along import Along
 from bench.compare.search_changes import Found, Possible
 from bench.diagnose.linearise.candidates import Candidate, Cause
 from bench.diagnose.name.groups import groups_of
@@ -23,8 +25,16 @@ WEEK = 7.0  # exact: [days]
 NONE_TO_LOSE = "ask whether the robot had any of it before; the model has none that could become less"
 
 
-def explanations_of(background: Background, found: Found) -> tuple[Explanation, ...]:
-    """Return the explanations that the data cannot tell apart, the likeliest first; empty where nothing changed."""
+def explanations_of(
+    background: Background, found: Found, along: Mapping[tuple[int, ...], Along]
+) -> tuple[Explanation, ...]:
+    """Return the explanations that the data cannot tell apart, the likeliest first; empty where nothing changed.
+
+    Args:
+        background: All recordings.
+        found: What changed.
+        along: What may have moved along with the changes of each.
+    """
     if not found.alternatives[0].keys or found.shape is not None:
         return ()
     explanations = []
@@ -33,12 +43,12 @@ def explanations_of(background: Background, found: Found) -> tuple[Explanation, 
         if not alternative.keys:
             continue
         terms = alternative.best.terms
-        along = moved_along(background, found, terms)
+        moved = along[terms]
         changes, start = [], 0
-        for term, others in zip(terms, along.causes, strict=True):
+        for term, others in zip(terms, moved.causes, strict=True):
             possible = found.possible[term]
             stop = start + len(possible.prior)
-            changes.append(_change(background, possible, along.mean[start:stop], along.sigma[start:stop], others))
+            changes.append(_change(background, possible, moved.mean[start:stop], moved.sigma[start:stop], others))
             start = stop
         explanations.append(Explanation(tuple(changes), found.probability[i], alternative.log_posterior))
     return tuple(explanations)

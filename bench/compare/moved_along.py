@@ -62,16 +62,12 @@ def moved_along(background: Background, found: Found, terms: tuple[int, ...]) ->
     if not len(prior):
         return Along(tuple(causes), along, prior, 0.0, mean, sigma)
     own = [background.acting(one.entry.columns, one.profile.weights) for one in changes]
-    every = np.concatenate([*(one.prior for one in changes), prior])
     products = background.nuisances.products(background.white, np.concatenate([*own, along], axis=1))
-    h, count = products.information + np.diag(every**-2.0), len(mean)
-    covariance = np.linalg.inv(h)
-    beside = covariance @ products.scores
-    alone = np.linalg.solve(h[:count, :count], products.scores[:count])
-    volume = np.linalg.slogdet(h)[1] - np.linalg.slogdet(h[:count, :count])[1]
-    evidence = 0.5 * (beside @ products.scores - alone @ products.scores[:count] - volume) - np.sum(np.log(prior))
-    probability = float(expit(evidence))
-    both = (mean, beside[:count]), (sigma, np.sqrt(np.diag(covariance))[:count])
+    mine, others = np.split(np.arange(len(mean) + len(prior)), [len(mean)])
+    own_prior = np.concatenate([one.prior for one in changes])
+    probability = float(expit(products.given(mine, own_prior).log_evidence(others, prior)))
+    beside, covariance = products.given(others, prior).sizes(mine, own_prior)
+    both = (mean, beside), (sigma, np.sqrt(np.diag(covariance)))
     return Along(tuple(causes), along, prior, probability, *averaged(*both, probability))
 
 

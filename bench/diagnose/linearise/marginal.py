@@ -8,13 +8,16 @@ formed once for all models of a campaign.
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import cho_solve, solve_triangular
 from scipy.special import log_ndtr
 
 from bench.record.campaign import Array
 
+Indices = NDArray[Any]
 JITTER = 1e-9  # rounding: of a diagonal, added to it
 
 
@@ -44,7 +47,7 @@ class Columns:
         """Shape (q,), diagonal of X^T X."""
         return np.asarray(np.einsum("ij,ij->j", self.matrix, self.matrix), dtype=np.float64)
 
-    def products_of(self, columns: Array) -> Array:
+    def products_of(self, columns: Indices) -> Array:
         """Return the inner products of E groups of k columns, shape (E, k, k), for indices of shape (E, k)."""
         if columns.shape[1] == 1:
             single: Array = self.squares[columns][:, :, None]
@@ -66,7 +69,7 @@ class Columns:
         cross: Array = self._cross
         return cross
 
-    def with_all(self, columns: Array) -> Array:
+    def with_all(self, columns: Indices) -> Array:
         """Return the inner products of some columns with all, shape (k, q)."""
         products: Array = self.matrix[:, columns].T @ self.matrix
         return products
@@ -88,7 +91,7 @@ class Gram(Columns):
         """Shape (q,), diagonal of X^T X."""
         return np.diagonal(self.gram)
 
-    def with_all(self, columns: Array) -> Array:
+    def with_all(self, columns: Indices) -> Array:
         """Return the inner products of some columns with all, shape (k, q)."""
         products: Array = self.gram[columns]
         return products
@@ -127,17 +130,17 @@ class Marginal:
         diagonal: Array = self.columns.squares - np.einsum("ij,ij->j", self.reduced, self.reduced)
         return diagonal
 
-    def sizes(self, columns: Array, prior: Array | None = None) -> tuple[Array, Array]:
+    def sizes(self, columns: Indices, prior: Array | None = None) -> tuple[Array, Array]:
         """Return the best sizes of some columns and their covariance."""
         covariance = np.asarray(np.linalg.inv(self._penalised(columns, prior)), dtype=np.float64)
         return covariance @ self.scores[columns], covariance
 
-    def log_evidence(self, columns: Array, prior: Array, sign: Array | None = None) -> float:
+    def log_evidence(self, columns: Indices, prior: Array, sign: Array | None = None) -> float:
         """Return the logarithm of the Bayes factor of some columns against the null model, as of `log_evidences`."""
         signs = None if sign is None else sign[None]
         return float(self.log_evidences(columns[None], prior[None], signs)[0])
 
-    def log_evidences(self, columns: Array, prior: Array, sign: Array | None = None) -> Array:
+    def log_evidences(self, columns: Indices, prior: Array, sign: Array | None = None) -> Array:
         """Return the log evidence of E groups of k columns, shape (E,), for indices and priors of shape (E, k).
 
         Args:
@@ -150,7 +153,7 @@ class Marginal:
         h[:, every, every] += JITTER * np.maximum(h[:, every, every], 1.0) + 1 / prior**2
         return log_evidences_of(h, b, prior, sign)
 
-    def given(self, columns: Array, prior: Array | None = None) -> "Marginal":
+    def given(self, columns: Indices, prior: Array | None = None) -> "Marginal":
         """Return the products with some columns in the model already."""
         if len(columns) == 0:
             return self
@@ -161,12 +164,12 @@ class Marginal:
         both = np.concatenate([self.reduced, reduced])
         return Marginal(self.misfit - float(pull @ pull), self.scores - pull @ reduced, self.columns, both)
 
-    def _blocks(self, columns: Array) -> Array:
+    def _blocks(self, columns: Indices) -> Array:
         own = np.moveaxis(self.reduced[:, columns], 0, 1)
         blocks: Array = self.columns.products_of(columns) - own.transpose(0, 2, 1) @ own
         return blocks
 
-    def _penalised(self, columns: Array, prior: Array | None) -> Array:
+    def _penalised(self, columns: Indices, prior: Array | None) -> Array:
         h: Array = self._blocks(columns[None])[0]
         diagonal = np.diag(h)
         h[np.diag_indices_from(h)] += JITTER * np.maximum(diagonal, 1.0)

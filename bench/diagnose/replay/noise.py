@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from bench.diagnose.replay.quantities import Quantity
 from bench.record.campaign import Array, Campaign, Run
+from bench.record.scatter import scatter_of_samples
 from bench.robot.figures import CurrentSensor, Figures, ForceSensor, TorqueSensor, Tracker
 
-NORMAL_MAD = 1.4826  # exact: standard deviation of a normal distribution by its median absolute deviation
 FEWEST = 8  # declared: samples in a group, in which a scatter about a parabola can be seen
 MOST_ALIKE = 0.8  # assumed: correlation of neighbours that is believed; beyond it samples are a slow signal, not noise
 # assumed: [K]; by which gas and the wall around it drift with the air of a workshop over hours
@@ -108,10 +108,7 @@ class Noise:
         """
         if len(values) < FEWEST:
             return np.zeros(values.shape[1])
-        third = np.diff(values, 3, axis=0)
-        spread: Array = np.median(np.abs(third - np.median(third, axis=0)), axis=0)
-        scatter: Array = NORMAL_MAD * spread / np.sqrt(20.0)
-        return scatter
+        return scatter_of_samples(values)
 
     @staticmethod
     def of_groups(values: Array, groups: Sequence[NDArray[np.int64]]) -> Array:

@@ -10,6 +10,7 @@ from bench.record.finding import Finding
 from bench.record.rules.copies import is_rich
 from bench.record.rules.sheet import Sheet
 from bench.record.rules.stuck import NOISY, TURNS, is_noisy
+from bench.record.scatter import scatter_of_samples
 
 ROUNDING = 1e-6  # of a channel's range, by which a copy may differ: written with fewer digits, or multiplied back
 # derived: of the noise of a channel, by which a copy of a motion may differ that was given noise of its own. Readings
@@ -17,7 +18,6 @@ ROUNDING = 1e-6  # of a channel's range, by which a copy may differ: written wit
 SHARE = 0.7
 SPREAD = 8.0  # standard deviations of noise from the lowest to the highest reading, as far as it widens a range
 FEWEST = 30  # derived: of noise fewer than 0.6 change sign in one of a hundred runs that are as short
-NORMAL = 1.4826  # exact: standard deviations of a normal distribution in its median absolute deviation
 NEIGHBOURS = 50  # effort: runs of alike totals that a run is compared with
 
 
@@ -87,7 +87,7 @@ def _noise(run: Run, values: Array) -> float:
     sign = np.sign(third[third != 0])
     if run.kind != "motion" or len(sign) < FEWEST or np.mean(sign[1:] != sign[:-1]) < TURNS:
         return 0.0
-    return float(np.median(np.abs(third)) * NORMAL / np.sqrt(20.0))
+    return float(scatter_of_samples(values[:, None])[0])
 
 
 def _alike(one: Run, other: Run, names: Sequence[str]) -> bool:
