@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import Conditions
+from bench.effects.conditions import Conditions
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
 from bench.robot.logs import log_format_of

@@ -27,8 +27,8 @@ from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
 from bench.diagnose.replay.world import World, edits_in
 from bench.effects.catalogue import LEFT_OUT, catalogue
+from bench.effects.conditions import Conditions
 from bench.effects.division import divided, payload_as_body
-from bench.effects.effect import Conditions
 from bench.effects.fitted import entry_of
 from bench.effects.gas import CounterbalanceGas
 from bench.errors import NOT_SIMULATED

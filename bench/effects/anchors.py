@@ -3,7 +3,8 @@
 import mujoco
 import numpy as np
 
-from bench.effects.effect import WHOLE, Array, Conditions, Effect, Parameter, Place, Values
+from bench.effects.conditions import Conditions
+from bench.effects.effect import WHOLE, Array, Effect, Parameter, Place, Values
 from bench.effects.geometry_at_zero import AtZero, across
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from bench.effects.effect import Acting, Conditions, Effect, Place
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Acting, Effect, Place
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit, read_spec
 from bench.robot.folder import Robot

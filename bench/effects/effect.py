@@ -23,6 +23,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.effects.conditions import Conditions
 from bench.effects.followed import Followed, Torques
 from bench.effects.parameter import Parameter as Parameter  # part of an effect
 from bench.effects.recorded import Lateness, LogError, Recorded
@@ -44,7 +45,6 @@ Family = Literal[
 Level = Literal["machine", "recording", "run"]
 Between = Literal["same", "drifts", "anew"]
 IN_RECORDING = " in recording "  # between the name of a place and that of the only recording in which something acts
-REFERENCE_K = 293.15  # declared: [K], temperature at which the nominal figures hold
 Values = Mapping[str, float]
 
 
@@ -82,37 +82,6 @@ class Place:
 
 
 WHOLE = Place("robot")
-
-
-@dataclass(frozen=True)
-class Conditions:
-    """What was slow during a run.
-
-    Attributes:
-        gear_k: Shape (n,) [K], gearboxes.
-        winding_k: Shape (n,) [K], motor windings.
-        gas_k: [K], gas of the counterbalance.
-        ambient_k: [K].
-        payload_kg: Mass bolted to the load point, as the lab knows it.
-        time_s: From the start of the campaign, in the middle of what they hold for [s].
-    """
-
-    gear_k: Array
-    winding_k: Array
-    gas_k: float = REFERENCE_K
-    ambient_k: float = REFERENCE_K
-    payload_kg: float = 0.0
-    time_s: float = 0.0
-
-    @property
-    def key(self) -> tuple[object, ...]:
-        """What tells conditions apart, for dictionaries."""
-        return self.gear_k.tobytes(), self.winding_k.tobytes(), self.gas_k, self.ambient_k, self.payload_kg, self.time_s
-
-    @classmethod
-    def reference(cls, n: int, payload_kg: float = 0.0) -> "Conditions":
-        """Return the conditions under which the nominal figures hold, for n drives."""
-        return cls(np.full(n, REFERENCE_K), np.full(n, REFERENCE_K), payload_kg=payload_kg)
 
 
 class Effect(ABC):

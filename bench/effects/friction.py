@@ -3,7 +3,8 @@
 import mujoco
 import numpy as np
 
-from bench.effects.effect import Array, Conditions, Parameter, Place, Values
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Array, Parameter, Place, Values
 from bench.effects.followed import Followed, Torques
 from bench.effects.friction_elements import coulomb, scale_coulomb, set_coulomb
 from bench.effects.places import OnDrive, drive_of, drives

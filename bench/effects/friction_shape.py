@@ -7,7 +7,8 @@ from math import atan2, hypot, pi
 import mujoco
 import numpy as np
 
-from bench.effects.effect import Array, Conditions, Parameter, Place, Values
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Array, Parameter, Place, Values
 from bench.effects.followed import Followed, Torques
 from bench.effects.friction import ARMSTRONG, BITTENCOURT, WithCoulomb, scaled_friction
 from bench.effects.friction_elements import SIDES, give, give_side, given, rolling

@@ -4,7 +4,8 @@ import mujoco
 import numpy as np
 
 from bench.actuators.laws import TorqueTable
-from bench.effects.effect import REFERENCE_K, Array, Conditions, Effect, Parameter, Place, Values
+from bench.effects.conditions import REFERENCE_K, Conditions
+from bench.effects.effect import Array, Effect, Parameter, Place, Values
 from bench.effects.followed import Followed, Torques
 from bench.effects.gear_kinematics import table_range
 from bench.effects.nominal import moving_bodies

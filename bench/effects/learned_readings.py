@@ -6,7 +6,8 @@ from typing import Literal
 
 import numpy as np
 
-from bench.effects.effect import Array, Conditions, Parameter, Place, Values
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Array, Parameter, Place, Values
 from bench.effects.learned import Learned
 from bench.simulate.instruments import HOUR, Reading
 from bench.simulate.plant import Trace

@@ -4,7 +4,8 @@ import mujoco
 import numpy as np
 
 from bench.actuators.laws import TorqueTable
-from bench.effects.effect import Array, Conditions, Parameter, Place, Values
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Array, Parameter, Place, Values
 from bench.effects.friction_elements import DRAG, Side, coulomb, element_name, give_side, set_coulomb
 from bench.effects.learned import Learned
 from bench.effects.places import drive_of

@@ -7,7 +7,8 @@ import mujoco
 import numpy as np
 
 from bench.actuators.laws import ROLLING_POWER
-from bench.effects.effect import REFERENCE_K, Conditions, Parameter, Place, Values
+from bench.effects.conditions import REFERENCE_K, Conditions
+from bench.effects.effect import Parameter, Place, Values
 from bench.effects.followed import Followed, Torques
 from bench.effects.friction import (
     ALL_OF_A_DRIVE,

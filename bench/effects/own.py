@@ -9,7 +9,8 @@ from typing import Any, get_args
 
 import numpy as np
 
-from bench.effects.effect import Conditions, Effect, Family, Parameter
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Effect, Family, Parameter
 from bench.effects.followed import Torques
 from bench.effects.recorded import Lateness, LogError
 from bench.errors import BenchError, InputError

@@ -6,7 +6,8 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from bench.effects.effect import WHOLE, Array, Conditions, Parameter, Place, Values
+from bench.effects.conditions import Conditions
+from bench.effects.effect import WHOLE, Array, Parameter, Place, Values
 from bench.effects.masses import LIGHTEST, SWEVERS, GeometryAndMass, scale_mass, vector_of
 from bench.effects.parameter import Quotient
 from bench.errors import RobotError

@@ -11,7 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.effects.effect import Conditions, Parameter, Place, Values
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Parameter, Place, Values
 from bench.effects.recorded import LATEST_DRIVE_S, LateField, Lateness, Recorded
 from bench.effects.recording_places import (
     GAUGE,

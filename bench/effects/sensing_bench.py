@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.effects.effect import WHOLE, Array, Conditions, Effect, Parameter, Place, Values
+from bench.effects.conditions import Conditions
+from bench.effects.effect import WHOLE, Array, Effect, Parameter, Place, Values
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.instruments import HOUR, Reading, is_slanting, small_rotation
 from bench.simulate.plant import Trace

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.effects.effect import REFERENCE_K, WHOLE, Array, Conditions, Effect, Parameter, Place, Values
+from bench.effects.conditions import REFERENCE_K, Conditions
+from bench.effects.effect import WHOLE, Array, Effect, Parameter, Place, Values
 from bench.effects.places import OnDrive, drives, hinges, torque_limit
 from bench.effects.recorded import LATEST_DRIVE_S, Lateness
 from bench.robot.compiled import CompiledRobot

@@ -2,7 +2,8 @@
 
 from dataclasses import replace
 
-from bench.effects.effect import WHOLE, Conditions, Effect, Parameter, Place, Values
+from bench.effects.conditions import Conditions
+from bench.effects.effect import WHOLE, Effect, Parameter, Place, Values
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.instruments import Reading
 from bench.simulate.plant import Trace

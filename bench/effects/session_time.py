@@ -8,7 +8,8 @@ from collections.abc import Hashable
 import mujoco
 import numpy as np
 
-from bench.effects.effect import Conditions, Parameter, Place, Values
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Parameter, Place, Values
 from bench.effects.gas import OfGas, amount_scaled
 from bench.effects.places import drive_of, drives
 from bench.effects.recorded import Recorded, RecordedRun

@@ -3,7 +3,8 @@
 import mujoco
 import numpy as np
 
-from bench.effects.effect import WHOLE, Conditions, Effect, Parameter, Place, Values
+from bench.effects.conditions import Conditions
+from bench.effects.effect import WHOLE, Effect, Parameter, Place, Values
 from bench.effects.geometry_at_zero import AtZero, across
 from bench.effects.passive_hinges import add_hinges
 from bench.effects.places import SHORT, OnDrive, drive_of, hinges

@@ -6,7 +6,8 @@ import mujoco
 import numpy as np
 
 from bench.actuators.laws import Friction, TorqueTable
-from bench.effects.effect import REFERENCE_K, Array, Conditions, Parameter, Place, Values
+from bench.effects.conditions import REFERENCE_K, Conditions
+from bench.effects.effect import Array, Parameter, Place, Values
 from bench.effects.places import OnDrive, drive_of
 from bench.effects.plugin_actuators import add_friction, add_torque_table
 from bench.robot.compiled import CompiledRobot, SpecEdit

@@ -6,7 +6,8 @@ import mujoco
 import numpy as np
 
 from bench.actuators.laws import TorqueTable
-from bench.effects.effect import WHOLE, Array, Conditions, Effect, Parameter, Place, Values
+from bench.effects.conditions import Conditions
+from bench.effects.effect import WHOLE, Array, Effect, Parameter, Place, Values
 from bench.effects.gear_kinematics import table_range
 from bench.effects.places import OnDrive, drive_of, drives, hinges
 from bench.effects.plugin_actuators import add_torque_table

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench import paths
-from bench.effects.effect import WHOLE, Acting, Conditions
+from bench.effects.conditions import Conditions
+from bench.effects.effect import WHOLE, Acting
 from bench.errors import InputError, unknown_names
 from bench.hide.background import Background
 from bench.hide.plan import Stay, plan, setup_of

@@ -7,7 +7,7 @@ from functools import lru_cache
 import mujoco
 import numpy as np
 
-from bench.effects.effect import Conditions
+from bench.effects.conditions import Conditions
 from bench.hide.pieces import Piece, pieces_of
 from bench.hide.warm_up import Spell, WarmUp
 from bench.record.campaign import Array

@@ -6,7 +6,8 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from bench.effects.effect import Acting, Conditions
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Acting
 from bench.hide.late import late_in
 from bench.hide.plan import Stay
 from bench.robot.compiled import SpecEdit, compile_spec

@@ -5,7 +5,7 @@ from collections.abc import Collection
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.effects.effect import Conditions
+from bench.effects.conditions import Conditions
 
 Array = NDArray[np.float64]
 

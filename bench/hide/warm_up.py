@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.effects.effect import REFERENCE_K, Conditions
+from bench.effects.conditions import REFERENCE_K, Conditions
 
 Array = NDArray[np.float64]
 

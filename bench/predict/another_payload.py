@@ -6,7 +6,8 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from bench.effects.effect import Conditions, Effect, Parameter, Place, Values
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Effect, Parameter, Place, Values
 from bench.effects.masses import LIGHTEST, vector_of
 from bench.effects.payloads import PayloadCom, UnstatedPayload, rated_lever
 from bench.robot.compiled import CompiledRobot, SpecEdit

@@ -23,7 +23,8 @@ from bench.diagnose.replay.given import DRIFTS, REACH, Posterior, PosteriorParam
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.simulations import simulate_all
 from bench.diagnose.replay.world import NOMINAL, World
-from bench.effects.effect import WHOLE, Conditions, Effect
+from bench.effects.conditions import Conditions
+from bench.effects.effect import WHOLE, Effect
 from bench.effects.payloads import UnstatedPayload
 from bench.errors import BenchError
 from bench.predict.another_payload import AnotherPayload

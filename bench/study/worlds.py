@@ -14,7 +14,8 @@ from typing import Literal, get_args
 import mujoco
 import numpy as np
 
-from bench.effects.effect import WHOLE, Acting, Conditions, Effect, Parameter, Place, Values
+from bench.effects.conditions import Conditions
+from bench.effects.effect import WHOLE, Acting, Effect, Parameter, Place, Values
 from bench.effects.unlisted import unlisted
 from bench.errors import InputError
 from bench.hide.second_unlisted import second_unlisted

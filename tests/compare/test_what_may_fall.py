@@ -11,7 +11,8 @@ from bench.compare.search_changes import Found, find_changes, signs_of
 from bench.diagnose.linearise.candidates import Candidate, Cause
 from bench.diagnose.linearise.screening import Entry
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import Conditions, Place
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Place
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, compile_robot, compile_spec, read_spec
 from bench.robot.fitted import Fitted, FittedEffect

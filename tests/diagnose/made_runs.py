@@ -13,7 +13,8 @@ from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import WHOLE, Conditions
+from bench.effects.conditions import Conditions
+from bench.effects.effect import WHOLE
 from bench.simulate.prescribed import Motion
 
 SIGMA = 0.2  # [A]

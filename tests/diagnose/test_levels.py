@@ -19,8 +19,9 @@ from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import MOST_BINS, MOST_READINGS, Segment, segments_of
 from bench.diagnose.replay.world import NOMINAL, World, edits_in, model_of
 from bench.effects.catalogue import catalogue
+from bench.effects.conditions import Conditions
 from bench.effects.drifts import DAY_K, VISCOUS
-from bench.effects.effect import Acting, Conditions, Place
+from bench.effects.effect import Acting, Place
 from bench.effects.levels import places_of
 from bench.effects.lubricant import viscous
 from bench.record.campaign import Campaign

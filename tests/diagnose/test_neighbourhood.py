@@ -18,7 +18,8 @@ from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
 from bench.diagnose.replay.world import World, edits_in
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import Acting, Conditions
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Acting
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 from tests.diagnose.sweeps import SWEEPS, made, nominal

@@ -3,7 +3,8 @@
 import mujoco
 import numpy as np
 
-from bench.effects.effect import Acting, Conditions, Effect, Parameter, Place, Values
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Acting, Effect, Parameter, Place, Values
 from bench.effects.nominal import presliding_parameters
 from bench.robot.compiled import SpecEdit
 from bench.robot.folder import Robot

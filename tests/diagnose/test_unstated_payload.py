@@ -11,7 +11,7 @@ from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
 from bench.diagnose.replay.world import World
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import Conditions
+from bench.effects.conditions import Conditions
 from bench.effects.payloads import UNSTATED
 from bench.robot.compiled import read_spec
 from bench.robot.plugins import added_body

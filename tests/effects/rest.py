@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import Conditions, Effect, Place
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Effect, Place
 from bench.effects.recorded import Recorded, RecordedRun
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.edits import friction_on

@@ -6,7 +6,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from bench.effects.effect import Conditions, Effect
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Effect
 from bench.effects.unlisted import unlisted
 from bench.robot.compiled import CompiledRobot, compile_robot, compile_spec, read_spec
 from bench.robot.edits import friction_on

@@ -8,7 +8,8 @@ import pytest
 import yaml
 
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import WHOLE, Acting, Conditions, Place
+from bench.effects.conditions import Conditions
+from bench.effects.effect import WHOLE, Acting, Place
 from bench.effects.fitted import entry_of, fitted_acting
 from bench.effects.learned import values_at, values_of
 from bench.effects.learned_readings import (

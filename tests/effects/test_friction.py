@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.effects.effect import Conditions
+from bench.effects.conditions import Conditions
 from bench.effects.lubricant import viscous
 from bench.effects.nominal import nominal_parameters
 from bench.effects.places import torque_limit

@@ -7,7 +7,8 @@ import pytest
 
 from bench.actuators.laws import Friction
 from bench.diagnose.replay.nuisances import nuisances_of
-from bench.effects.effect import Conditions, Place
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Place
 from bench.effects.friction_elements import Side
 from bench.effects.learned import Learned, values_at, values_of
 from bench.effects.learned_readings import LearnedDrift, LearnedLoss, LearnedMount, LearnedRoom, LearnedScale

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import WHOLE, Conditions, Place
+from bench.effects.conditions import Conditions
+from bench.effects.effect import WHOLE, Place
 from bench.effects.payloads import FARTHEST_M
 from bench.errors import RobotError
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot

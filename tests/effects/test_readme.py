@@ -7,7 +7,7 @@ import numpy as np
 
 import bench.effects
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import Conditions
+from bench.effects.conditions import Conditions
 from bench.effects.listing import markdown_table
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import Robot

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.effects.effect import Conditions, Place
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Place
 from bench.effects.recorded import LogError, Recorded, RecordedRun, recorded_in
 from bench.record.campaign import Run
 from bench.robot.compiled import CompiledRobot, read_spec

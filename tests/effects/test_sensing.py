@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.effects.effect import Conditions
+from bench.effects.conditions import Conditions
 from bench.robot.compiled import CompiledRobot
 from bench.robot.folder import Robot
 from bench.simulate.instruments import Reading

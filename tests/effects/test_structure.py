@@ -4,7 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from bench.effects.effect import Conditions, Place
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Place
 from bench.effects.passive_hinges import SETTLING, add_hinges
 from bench.errors import RobotError
 from bench.robot.compiled import CompiledRobot, compile_robot

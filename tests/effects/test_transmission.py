@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.effects.effect import Conditions
+from bench.effects.conditions import Conditions
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.edits import proportional_servo
 from bench.robot.folder import Robot

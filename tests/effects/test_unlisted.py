@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from bench.effects.effect import Conditions, Effect
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Effect
 from bench.effects.unlisted import unlisted
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot

@@ -6,7 +6,8 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from bench.effects.effect import REFERENCE_K, Acting, Conditions, Effect, Parameter, Place, Values
+from bench.effects.conditions import REFERENCE_K, Conditions
+from bench.effects.effect import Acting, Effect, Parameter, Place, Values
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 from bench.robot.plugins import configure, number_of

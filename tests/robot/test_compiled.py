@@ -12,7 +12,7 @@ import pytest
 import yaml
 
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import Conditions
+from bench.effects.conditions import Conditions
 from bench.errors import RobotError
 from bench.identify.arm import Arm
 from bench.robot.compiled import CompiledRobot, compile_robot

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 import bench.robot.patched as patched_module
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import Conditions, Effect, Place
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Effect, Place
 from bench.effects.nominal import nominal_parameters
 from bench.effects.unlisted import unlisted
 from bench.errors import RobotError

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import Conditions
+from bench.effects.conditions import Conditions
 from bench.effects.nominal import nominal_parameters
 from bench.errors import ConvergenceError
 from bench.robot.compiled import compile_robot

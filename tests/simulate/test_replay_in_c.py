@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import Conditions
+from bench.effects.conditions import Conditions
 from bench.errors import ConvergenceError
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.folder import Robot, load_robot

@@ -11,7 +11,8 @@ from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import Conditions, Effect
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Effect
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion
 from bench.store.store import Store

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import WHOLE, Acting, Conditions
+from bench.effects.conditions import Conditions
+from bench.effects.effect import WHOLE, Acting
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 from bench.study.labs import Lab, machine_components

@@ -14,7 +14,7 @@ from bench.diagnose.replay.levels import world_in
 from bench.diagnose.replay.nuisances import THERMOMETER_K
 from bench.diagnose.replay.perfect_instruments import ideal_reading
 from bench.diagnose.replay.world import NOMINAL, World, edits_in
-from bench.effects.effect import REFERENCE_K, Conditions
+from bench.effects.conditions import REFERENCE_K, Conditions
 from bench.robot.compiled import compile_robot
 from bench.simulate.plant import Trace
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from bench.diagnose.experiment_design.workspace import LEAST_SWEEP, Workspace
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.segments import Segment
-from bench.effects.effect import Conditions
+from bench.effects.conditions import Conditions
 from bench.record.campaign import Array
 from bench.simulate.prescribed import Motion
 

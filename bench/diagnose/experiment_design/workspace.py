@@ -7,7 +7,7 @@ from bench.diagnose.experiment_design.new_instruments import noise_of_new
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.quantities import AXES, Quantity
 from bench.diagnose.replay.segments import Segment
-from bench.effects.effect import Conditions
+from bench.effects.conditions import Conditions
 from bench.record.campaign import Array
 from bench.record.units import STANDARD_GRAVITY
 from bench.robot.compiled import CompiledRobot

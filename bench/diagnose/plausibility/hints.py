@@ -23,7 +23,7 @@ from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import readings_of, segments_of
 from bench.diagnose.replay.world import NOMINAL
-from bench.effects.effect import REFERENCE_K
+from bench.effects.conditions import REFERENCE_K
 from bench.effects.gas import GasLoss, GasTemperature
 from bench.effects.recorded import LATEST_DRIVE_S
 from bench.effects.recording_channel import ChannelDelay

@@ -10,7 +10,7 @@ from bench.diagnose.replay.instants import slices_of
 from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.winding import MotionSpline
 from bench.diagnose.replay.world import World, log_error_of
-from bench.effects.effect import Conditions
+from bench.effects.conditions import Conditions
 from bench.record.campaign import Array
 from bench.simulate.plant import Trace
 from bench.simulate.prescribed import Motion

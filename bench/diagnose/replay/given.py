@@ -18,8 +18,9 @@ from bench.diagnose.replay.posterior import PosteriorParameter as PosteriorParam
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segments import Segment
 from bench.effects.catalogue import catalogue
+from bench.effects.conditions import Conditions
 from bench.effects.drifts import COULOMB, DAY_K, VISCOUS
-from bench.effects.effect import Acting, Conditions, Effect, Place
+from bench.effects.effect import Acting, Effect, Place
 from bench.effects.fitted import acting_of
 from bench.errors import NOT_SIMULATED, RobotError
 from bench.record.campaign import Array

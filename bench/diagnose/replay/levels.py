@@ -13,8 +13,8 @@ from functools import partial
 
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.world import World
+from bench.effects.conditions import REFERENCE_K
 from bench.effects.drifts import COULOMB, DAY_K
-from bench.effects.effect import REFERENCE_K
 from bench.effects.figure_edits import LEAST_SHARE
 from bench.effects.friction_elements import scale_coulomb
 from bench.effects.gas import amount_scaled

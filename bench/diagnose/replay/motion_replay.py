@@ -29,7 +29,8 @@ from bench.diagnose.replay.world import (
     rates_along,
     steps_of,
 )
-from bench.effects.effect import Acting, Conditions
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Acting
 from bench.effects.followed import Followed
 from bench.identify.dynamics.regressor import standard_parameters
 from bench.record.campaign import Array

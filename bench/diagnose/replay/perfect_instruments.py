@@ -7,7 +7,8 @@ import numpy as np
 from bench.diagnose.replay.courses import count_of
 from bench.diagnose.replay.instants import slices_of
 from bench.diagnose.replay.segments import Segment
-from bench.effects.effect import REFERENCE_K, Acting, Effect
+from bench.effects.conditions import REFERENCE_K
+from bench.effects.effect import Acting, Effect
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.instruments import Reading
 from bench.simulate.plant import Trace

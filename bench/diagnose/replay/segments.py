@@ -17,7 +17,7 @@ from bench.diagnose.replay.noise import UNIFORM, Noise
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.segment_input import AverageExcess, Path, SegmentInput, centre_weights
 from bench.diagnose.replay.static_segments import visits_of
-from bench.effects.effect import REFERENCE_K, Conditions
+from bench.effects.conditions import REFERENCE_K, Conditions
 from bench.record.campaign import Array, Campaign, Run
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion

@@ -8,7 +8,8 @@ import numpy as np
 
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.segments import Segment
-from bench.effects.effect import Acting, Conditions, Effect
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Acting, Effect
 from bench.effects.recorded import LogError
 from bench.record.campaign import Array
 from bench.robot.compiled import SpecEdit

@@ -6,7 +6,7 @@ import mujoco
 
 from bench.diagnose.replay.fitted import fitted_world
 from bench.diagnose.replay.world import World, edits_in
-from bench.effects.effect import Conditions
+from bench.effects.conditions import Conditions
 from bench.robot.bodies import RigidBodies
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot, compile_spec, read_spec
 from bench.robot.folder import Robot

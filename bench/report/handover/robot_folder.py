@@ -15,8 +15,9 @@ from bench.diagnose.replay.instants import recordings_of
 from bench.diagnose.replay.levels import as_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import NOMINAL, World, edits_in
+from bench.effects.conditions import Conditions
 from bench.effects.division import divided, payload_as_body
-from bench.effects.effect import Acting, Conditions
+from bench.effects.effect import Acting
 from bench.effects.fitted import acting_of, entry_of
 from bench.errors import NOT_SIMULATED, RobotError
 from bench.report.handover.drive_readings import with_drive_readings

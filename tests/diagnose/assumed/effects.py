@@ -11,7 +11,8 @@ import pytest
 
 from bench.effects import learned_torques, masses, payloads
 from bench.effects.catalogue import catalogue
-from bench.effects.effect import Conditions, Place
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Place
 from bench.effects.learned import values_at
 from bench.effects.recorded import Recorded, RecordedRun
 from bench.robot.compiled import compile_robot, read_spec

@@ -10,8 +10,8 @@ from bench.diagnose.replay.levels import with_recordings
 from bench.diagnose.replay.noise import Noise
 from bench.diagnose.replay.nuisances import Nuisance, nuisances_of
 from bench.diagnose.replay.quantities import Quantity
+from bench.effects.conditions import REFERENCE_K
 from bench.effects.drifts import own_part
-from bench.effects.effect import REFERENCE_K
 from tests.diagnose.assumed.registry import needs
 from tests.diagnose.sweeps import nominal
 

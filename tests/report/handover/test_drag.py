@@ -6,7 +6,8 @@ import mujoco
 import numpy as np
 
 from bench.cli import main
-from bench.effects.effect import Conditions, Place
+from bench.effects.conditions import Conditions
+from bench.effects.effect import Place
 from bench.effects.learned import values_at
 from bench.effects.learned_torques import LearnedDrag
 from bench.report.handover.applied import applied_robot
