@@ -63,7 +63,7 @@ ENGINES_OF = {
     "second": {"mujoco", "gymnasium"},
     "record": {"mujoco", "pinocchio", "gymnasium"},
 }
-PLAIN_OF_ROBOT = {"bodies", "figures"}  # all that the second plant may have of it: numbers
+PLAIN_OF_ROBOT = {"bodies", "figures", "instruments"}  # all that the second plant may have of it: numbers
 TRUTH_READERS = {"report/scoring.py"}
 
 

@@ -29,7 +29,7 @@ from bench.effects.parameter import Parameter as Parameter  # part of an effect
 from bench.effects.recorded import Lateness, LogError, Recorded
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.simulate.instruments import Reading
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 Array = NDArray[np.float64]
 Family = Literal[

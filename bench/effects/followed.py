@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.robot.compiled import CompiledRobot
-from bench.simulate.plant import Array, Trace
+from bench.simulate.trace import Array, Trace
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 from bench.robot.plugins import attributes_of, configure, number_of
 from bench.simulate.instruments import Reading
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 SEAL_TRAVEL = 5e-5  # assumed: [m], travel in which the seals' friction builds up, below a tenth of a millimetre
 

@@ -10,7 +10,7 @@ from bench.effects.conditions import Conditions
 from bench.effects.effect import Array, Parameter, Place, Values
 from bench.effects.learned import Learned
 from bench.simulate.instruments import HOUR, Reading
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 AXES = "xyz"
 # effort: of the largest reading, where dead bands and offsets of amplifiers are

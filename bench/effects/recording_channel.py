@@ -30,7 +30,7 @@ from bench.effects.recording_places import (
 from bench.effects.sensing_bench import vector_of
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.instruments import HOUR, Reading, small_rotation
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 
 class _OfRecording(OfCampaign):

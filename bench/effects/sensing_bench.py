@@ -8,7 +8,7 @@ from bench.effects.conditions import Conditions
 from bench.effects.effect import WHOLE, Array, Effect, Parameter, Place, Values
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.instruments import HOUR, Reading, is_slanting, small_rotation
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 
 class _OfTracker(Effect):

@@ -11,7 +11,7 @@ from bench.effects.places import OnDrive, drives, hinges, torque_limit
 from bench.effects.recorded import LATEST_DRIVE_S, Lateness
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.instruments import Reading
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 GUTT = "Bittencourt and Gunnarsson, 2012; Swevers, Verdonck and De Schutter, 2007 (torque from current)"
 HEAVY_CURRENT = (

@@ -6,7 +6,7 @@ from bench.effects.conditions import Conditions
 from bench.effects.effect import WHOLE, Effect, Parameter, Place, Values
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.instruments import Reading
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 
 class LinkEncoderDelay(Effect):

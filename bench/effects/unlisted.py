@@ -14,7 +14,7 @@ from bench.effects.plugin_actuators import add_torque_table
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 from bench.simulate.instruments import Reading
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 ASSUMED = "assumed, for tests"
 KNOTS = 2001

@@ -19,15 +19,15 @@ from bench.hide.written import written
 from bench.record.campaign import Campaign, Run
 from bench.record.truth import TrueValue, Truth
 from bench.robot.compiled import CompiledRobot, compile_spec
-from bench.robot.figures import Instruments as InstrumentFigures
 from bench.robot.folder import Robot
+from bench.robot.instruments import Instruments as InstrumentFigures
 from bench.scenario.files import Experiment
 from bench.scenario.session import PARTS, SessionScenario
 from bench.simulate.drive import Log
 from bench.simulate.instruments import Instruments, Reading, SystematicErrors
-from bench.simulate.plant import Array, Trace
 from bench.simulate.session import edits_of
 from bench.simulate.tables import Joints, run_of, with_link_angles
+from bench.simulate.trace import Array, Trace
 from bench.simulate.truth import true_parameters
 
 TAILS = 5.0  # degrees of freedom of the noise: it leaves four standard deviations 60 times as often as normal noise

@@ -10,7 +10,7 @@ from bench.effects.recorded import Lateness
 from bench.hide.pieces import Piece
 from bench.simulate.batch import Rows
 from bench.simulate.env import CONTROL_PERIOD
-from bench.simulate.plant import Array, Trace
+from bench.simulate.trace import Array, Trace
 
 
 @dataclass(frozen=True)

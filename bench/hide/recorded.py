@@ -11,7 +11,7 @@ from bench.hide.warm_up import WarmUp
 from bench.robot.folder import Robot
 from bench.scenario.files import Experiment
 from bench.simulate.instruments import Instruments
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 
 def recorded_of(

@@ -15,8 +15,9 @@ from bench.robot.folder import Robot
 from bench.simulate.batch import Course, follow, read_steps, smooth
 from bench.simulate.env import CONTROL_PERIOD
 from bench.simulate.instruments import Instruments, Reading
-from bench.simulate.plant import Array, Left, Plant, Trace
+from bench.simulate.plant import Left, Plant
 from bench.simulate.policy import Step
+from bench.simulate.trace import Array, Trace
 
 ITERATIONS = 3  # an encoder's error changes over some arc minutes much less than over a turn
 

@@ -8,7 +8,7 @@ import numpy as np
 from bench.effects.effect import Acting
 from bench.effects.recorded import LogError
 from bench.record.campaign import Run
-from bench.simulate.plant import Array
+from bench.simulate.trace import Array
 
 
 def written(runs: Sequence[Run], acting: Iterable[Acting], gravity: Array) -> tuple[Run, ...]:

@@ -10,7 +10,7 @@ from bench.identify.denavit_hartenberg import Row
 from bench.record.strict import Strict
 from bench.record.yaml_text import YamlFault, load_typed_yaml
 from bench.robot.bodies import Array, read_only
-from bench.robot.figures import NonNegative, Positive
+from bench.robot.bounds import NonNegative, Positive
 from bench.robot.folder import problems_of
 
 FILE = "experiment.yaml"

@@ -5,16 +5,15 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from bench.robot.figures import (
+from bench.robot.figures import Drive, Uncertainty
+from bench.robot.instruments import (
     CurrentSensor,
-    Drive,
     Encoder,
     ForceSensor,
     LinkEncoder,
     PressureGauge,
     TorqueSensor,
     Tracker,
-    Uncertainty,
 )
 
 PARTS: tuple[tuple[str, type[BaseModel]], ...] = (

@@ -6,7 +6,7 @@ from typing import Self
 
 import numpy as np
 
-from bench.robot.figures import Instruments
+from bench.robot.instruments import Instruments
 from bench.second.figures import Array
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.robot.figures import Instruments
+from bench.robot.instruments import Instruments
 from bench.second.course import Course
 from bench.second.errors import Errors
 from bench.second.figures import Array, Figures

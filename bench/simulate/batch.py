@@ -16,8 +16,9 @@ from scipy.interpolate import CubicSpline, PPoly
 from bench.robot.bodies import read_only
 from bench.simulate.env import CONTROL_PERIOD
 from bench.simulate.instruments import Instruments, Reading
-from bench.simulate.plant import Array, Plant, Trace
+from bench.simulate.plant import Plant
 from bench.simulate.policy import Sitting, Step
+from bench.simulate.trace import Array, Trace
 
 NUDGE = 1e-9  # [s], by which the velocity set point is ahead of that of the position
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from bench.simulate.env import CONTROL_PERIOD, BenchEnv, Observation
 from bench.simulate.instruments import Reading
-from bench.simulate.plant import Array, Trace
 from bench.simulate.policy import Sitting, Step
+from bench.simulate.trace import Array, Trace
 
 FILM_PERIOD = 0.1  # [s], how often the film keeps an instant
 

@@ -18,8 +18,9 @@ from bench.robot.folder import load_robot
 from bench.simulate.action_range import ActionRange
 from bench.simulate.glance import Glance
 from bench.simulate.instruments import Instruments
-from bench.simulate.plant import Plant, Trace
+from bench.simulate.plant import Plant
 from bench.simulate.torque_plant import TorquePlant
+from bench.simulate.trace import Trace
 
 Array = NDArray[np.float64]
 Observation = dict[str, Any]  # of arrays, as `gymnasium.spaces.Dict` types them

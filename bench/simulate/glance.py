@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.simulate.instruments import VERTICAL_TOLERANCE, Array, Instruments
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 
 class Glance:

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.robot.compiled import CompiledRobot
-from bench.robot.figures import Instruments as InstrumentFigures
+from bench.robot.instruments import Instruments as InstrumentFigures
 from bench.simulate.fitted_errors import fitted_errors
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 Array = NDArray[np.float64]
 

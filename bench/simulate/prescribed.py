@@ -24,7 +24,7 @@ from bench.actuators import library
 from bench.errors import ConvergenceError
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.equilibrium import passive_dofs
-from bench.simulate.plant import Array, Trace, gas_force
+from bench.simulate.trace import Array, Trace, gas_force
 
 TOLERANCE = 1e-6  # of the torques on the links, where a balance counts as found; a tenth of that takes 4 % longer
 MAX_ITERATIONS = 100

@@ -19,10 +19,10 @@ from bench.simulate.env import CONTROL_PERIOD
 from bench.simulate.equilibrium import Equilibrium
 from bench.simulate.instruments import Instruments, Reading
 from bench.simulate.loading import loading_sittings
-from bench.simulate.plant import Array, Trace, gas_force
 from bench.simulate.policy import Step
 from bench.simulate.session import edits_of
 from bench.simulate.tables import Joints, run_of
+from bench.simulate.trace import Array, Trace, gas_force
 
 # A rest does not depend on how long the way there took; with these the policy takes one step for each move.
 HURRY = {

@@ -8,7 +8,6 @@ from bench.actuators.state import TEMPERATURE_RISE, state_of
 from bench.errors import ConvergenceError
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.equilibrium import evaluate_forces
-from bench.simulate.plant import Array, Trace, gas_force
 from bench.simulate.prescribed import (
     MAX_ITERATIONS,
     PATIENCE,
@@ -17,6 +16,7 @@ from bench.simulate.prescribed import (
     Motion,
     Prescribed,
 )
+from bench.simulate.trace import Array, Trace, gas_force
 
 EXPLICIT = int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP)  # damping may fall with speed; nothing moves
 

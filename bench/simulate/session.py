@@ -20,10 +20,11 @@ from bench.simulate.instruments import Instruments, Reading
 from bench.simulate.line import line_sittings
 from bench.simulate.loading import loading_sittings
 from bench.simulate.parts import session_sittings
-from bench.simulate.plant import Left, Plant, Trace
+from bench.simulate.plant import Left, Plant
 from bench.simulate.policy import Mark, Sitting
 from bench.simulate.rotation import rotation_sittings
 from bench.simulate.tables import Joints, run_of, with_link_angles
+from bench.simulate.trace import Trace
 
 SITTINGS: dict[str, Callable[..., tuple[Sitting, ...]]] = {
     "line": line_sittings,

@@ -9,7 +9,7 @@ from bench.record.campaign import Run
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.drive import Log
 from bench.simulate.instruments import Reading
-from bench.simulate.plant import Array, Trace
+from bench.simulate.trace import Array, Trace
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,8 @@ from functools import cached_property
 import mujoco
 import numpy as np
 
-from bench.simulate.plant import Array, Plant
+from bench.simulate.plant import Plant
+from bench.simulate.trace import Array
 from bench.simulate.track import Tracker
 
 # [Nm/rad], all that is left of a servo: it is told angles so large that it puts out the torque asked for. How far the

@@ -18,8 +18,8 @@ from bench.hide.recorded import recorded_of
 from bench.hide.second_plant import run_second
 from bench.record.campaign import Array, Campaign
 from bench.robot.compiled import CompiledRobot, compile_robot
-from bench.robot.figures import LinkEncoder
 from bench.robot.folder import Robot, load_robot
+from bench.robot.instruments import LinkEncoder
 from bench.scenario.files import read_scenario
 from bench.scenario.rotation import RotationPart
 from bench.scenario.session import SessionScenario

@@ -12,8 +12,8 @@ from bench.effects.effect import Acting
 from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot, compile_robot
-from bench.robot.figures import LinkEncoder
 from bench.robot.folder import Robot, load_robot
+from bench.robot.instruments import LinkEncoder
 from tests.diagnose.sweeps import SWEEP, changed
 
 ZEROED = 2e-3  # [rad], how well link encoders are set

@@ -13,7 +13,7 @@ from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
 from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot, compile_robot
-from bench.robot.figures import CurrentSensor
+from bench.robot.instruments import CurrentSensor
 from tests.diagnose.drive_looks import stating_rotors
 from tests.diagnose.sweeps import Change, changed, in_motion, scale
 

@@ -23,7 +23,7 @@ from bench.effects.friction_elements import scale_coulomb
 from bench.robot.compiled import CompiledRobot, compile_robot, read_spec
 from bench.robot.folder import load_robot
 from bench.robot.write import write_robot
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 from tests.diagnose.noise_free import fitted_alone, linearised, noise_free, simulated
 from tests.diagnose.small_models import linear_of
 from tests.diagnose.sweeps import LOADS, made, nominal

@@ -10,7 +10,7 @@ from bench.diagnose.replay.resolution import angle_noise, finest_window, missed_
 from bench.diagnose.replay.segments import segments_of
 from bench.diagnose.replay.smooth_derivative import averaging_kernel, noise_gain, smooth_derivative
 from bench.robot.compiled import compile_robot
-from bench.robot.figures import CurrentSensor
+from bench.robot.instruments import CurrentSensor
 from tests.diagnose.sweeps import SWEEP, made, nominal
 
 STEP, SHORTEST, LONGEST = 0.008, 0.04, 1.0

@@ -15,7 +15,8 @@ from bench.robot.edits import friction_on
 from bench.robot.folder import Robot
 from bench.simulate.equilibrium import Equilibrium
 from bench.simulate.instruments import Instruments, Reading
-from bench.simulate.plant import Plant, Trace
+from bench.simulate.plant import Plant
+from bench.simulate.trace import Trace
 
 CATALOGUE = catalogue()
 NO_WRENCH = np.zeros(6)

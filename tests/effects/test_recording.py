@@ -13,7 +13,7 @@ from bench.robot.compiled import CompiledRobot, read_spec
 from bench.robot.folder import Robot
 from bench.robot.plugins import number_of
 from bench.simulate.instruments import Reading
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 from tests.effects.rest import CATALOGUE, edit_of, perfect_reading, places_of, recorded_on, rest, some_trace
 
 EXACT = 1e-12

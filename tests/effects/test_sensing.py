@@ -9,7 +9,7 @@ from bench.effects.conditions import Conditions
 from bench.robot.compiled import CompiledRobot
 from bench.robot.folder import Robot
 from bench.simulate.instruments import Reading
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 from tests.effects.rest import CATALOGUE, perfect_reading, some_trace
 
 EXACT = 1e-12

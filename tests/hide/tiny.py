@@ -12,7 +12,7 @@ from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 from bench.robot.plugins import configure, number_of
 from bench.simulate.instruments import Reading
-from bench.simulate.plant import Array, Trace
+from bench.simulate.trace import Array, Trace
 
 
 class OfJoint(Effect):

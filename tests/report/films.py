@@ -8,8 +8,8 @@ import numpy as np
 from bench.robot.bodies import Array
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.instruments import Instruments, Reading
-from bench.simulate.plant import Trace
 from bench.simulate.session import Film
+from bench.simulate.trace import Trace
 
 PERIOD = 0.1  # [s]
 MOVE, PART = 20, 15  # instants of the move at the beginning, and of each step of the load

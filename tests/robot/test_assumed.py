@@ -13,9 +13,10 @@ from bench.errors import RobotError
 from bench.record.campaign import Campaign, Run
 from bench.record.write import write_campaign
 from bench.robot.compiled import compile_robot
-from bench.robot.figures import Encoder, Figures, TorqueSensor, Tracker, Uncertainty
+from bench.robot.figures import Figures, Uncertainty
 from bench.robot.folder import load_robot
 from bench.robot.instrument_table import table
+from bench.robot.instruments import Encoder, TorqueSensor, Tracker
 from bench.robot.starter.defaults import ROTOR_GUESSED, SPIN_UP, WEAKEST
 from bench.robot.starter.folder import Started, start_robot
 from bench.robot.starter.source import read_source

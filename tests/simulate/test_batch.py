@@ -19,10 +19,11 @@ from bench.simulate.drive import Log, drive
 from bench.simulate.dwell import dwell_sittings
 from bench.simulate.env import CONTROL_PERIOD, BenchEnv
 from bench.simulate.loading import loading_sittings
-from bench.simulate.plant import Plant, Trace
+from bench.simulate.plant import Plant
 from bench.simulate.policy import Sitting
 from bench.simulate.rotation import rotation_sittings
 from bench.simulate.session import Session, run_session
+from bench.simulate.trace import Trace
 from tests.simulate.rotation_small import small_rotation
 from tests.simulate.session_small import small_session
 from tests.small_robot import K

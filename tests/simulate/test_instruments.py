@@ -8,7 +8,7 @@ import pytest
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 from bench.simulate.instruments import HOUR, Instruments, small_rotation
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 READINGS = 4000
 SPREAD = 0.06  # relative; the standard deviation of 4000 normal readings is known to 1.1 %, five times that

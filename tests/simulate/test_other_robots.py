@@ -9,9 +9,10 @@ from bench.simulate.drive import Log, stacked
 from bench.simulate.env import BenchEnv
 from bench.simulate.equilibrium import Equilibrium
 from bench.simulate.instruments import Instruments
-from bench.simulate.plant import Plant, Trace
+from bench.simulate.plant import Plant
 from bench.simulate.policy import Mark, Step
 from bench.simulate.tables import Joints, run_of, with_link_angles
+from bench.simulate.trace import Trace
 
 READINGS = 2000  # of one state, from which a noise level is told to within 5 %
 

@@ -8,7 +8,8 @@ import pytest
 
 from bench.robot.edits import friction_on, proportional_servo
 from bench.robot.folder import load_robot
-from bench.simulate.plant import Plant, Trace
+from bench.simulate.plant import Plant
+from bench.simulate.trace import Trace
 
 PERIOD = 4e-3  # [s]
 Q = np.array([0.3, 0.2])

@@ -14,9 +14,9 @@ from bench.errors import ConvergenceError
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.folder import Robot, load_robot
 from bench.simulate import prescribed, reference_replay
-from bench.simulate.plant import Array, Trace
 from bench.simulate.prescribed import Motion, Prescribed
 from bench.simulate.reference_replay import Reference
+from bench.simulate.trace import Array, Trace
 
 AGREE = 1e-10  # of angles [rad] and of the largest torque
 # [Nm/rad], of the slopes with which a search steps, 1e5 to 1e6: a torque of some kNm is rounded to 1e-12 Nm, a secant

@@ -12,7 +12,8 @@ from bench.effects.conditions import Conditions
 from bench.robot.compiled import SpecEdit, compile_robot
 from bench.robot.folder import Robot, load_robot
 from bench.simulate.bare import bare_spec
-from bench.simulate.plant import Plant, Trace
+from bench.simulate.plant import Plant
+from bench.simulate.trace import Trace
 
 PERIOD, SUBSTEPS = 4e-3, 8
 ROUNDING = 1e-12  # of the largest angle [rad] or place [m]

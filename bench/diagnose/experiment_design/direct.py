@@ -16,7 +16,7 @@ from bench.diagnose.replay.perfect_instruments import ideal_reading
 from bench.diagnose.replay.world import NOMINAL, World, edits_in
 from bench.effects.conditions import REFERENCE_K, Conditions
 from bench.robot.compiled import compile_robot
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 # derived: relative, of a scale in a workshop: OIML R 76 allows one of class III with 3000 divisions 1.5 of them at its
 # largest load when it is new, and twice as many in service

@@ -22,7 +22,7 @@ from bench.effects.sensing_drive import TorqueConstant
 from bench.record.campaign import Array
 from bench.record.moving import TRAVELS
 from bench.simulate.instruments import HOUR
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 ANGLE_NODES = 17  # effort: of a free shape over an angle, in a search; with nine a dent of 4 degrees is not seen
 # effort: of a torque over the angle alone, beside that: joints move over 70 to 260 degrees in a day, where 17 nodes are

@@ -11,7 +11,7 @@ from bench.diagnose.replay.replay import Replay
 from bench.effects.effect import Acting
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 # exact: root mean square of the part of its friction that a joint lets go of at rest: anything between none and all
 LET_GO = 3**-0.5

@@ -15,7 +15,7 @@ from bench.diagnose.replay.quantities import Quantity
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 from bench.robot.mass_matrix import mass_matrix
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from bench.diagnose.replay.winding import MotionSpline
 from bench.diagnose.replay.world import World, log_error_of
 from bench.effects.conditions import Conditions
 from bench.record.campaign import Array
-from bench.simulate.plant import Trace
 from bench.simulate.prescribed import Motion
+from bench.simulate.trace import Trace
 
 
 @dataclass(frozen=True, eq=False)

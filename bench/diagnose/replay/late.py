@@ -18,7 +18,7 @@ from bench.diagnose.replay.segments import Segment
 from bench.effects.recorded import Lateness
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 
 def read_late(compiled: CompiledRobot, segments: Sequence[Segment], trace: Trace, late: Sequence[Lateness]) -> Trace:

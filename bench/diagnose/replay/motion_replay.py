@@ -40,8 +40,8 @@ from bench.robot.links import rigid_bodies
 from bench.robot.patched import Structure
 from bench.robot.recent import Recent
 from bench.simulate.bare import bare_spec
-from bench.simulate.plant import Trace
 from bench.simulate.prescribed import TOLERANCE, Motion, Prescribed
+from bench.simulate.trace import Trace
 
 MOST_KNOWN = 4  # effort: motions kept, for worlds that only read differently
 MOST_PLANS = 64  # effort: ways kept in which worlds share models, 0.1 MB each for 700 instants of six joints

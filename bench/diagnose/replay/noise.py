@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from bench.diagnose.replay.quantities import Quantity
 from bench.record.campaign import Array, Campaign, Run
 from bench.record.scatter import scatter_of_samples
-from bench.robot.figures import CurrentSensor, Figures, ForceSensor, TorqueSensor, Tracker
+from bench.robot.figures import Figures
+from bench.robot.instruments import CurrentSensor, ForceSensor, TorqueSensor, Tracker
 
 FEWEST = 8  # declared: samples in a group, in which a scatter about a parabola can be seen
 MOST_ALIKE = 0.8  # assumed: correlation of neighbours that is believed; beyond it samples are a slow signal, not noise

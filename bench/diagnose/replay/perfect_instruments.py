@@ -11,7 +11,7 @@ from bench.effects.conditions import REFERENCE_K
 from bench.effects.effect import Acting, Effect
 from bench.robot.compiled import CompiledRobot
 from bench.simulate.instruments import Reading
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 
 def ideal_reading(compiled: CompiledRobot, trace: Trace) -> Reading:

@@ -12,7 +12,7 @@ from bench.effects.friction import CoulombLevel
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 from bench.robot.mass_matrix import link_mass_matrix
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 # derived: of its stated Coulomb level, below which a level may be in 95 % of what the catalogue expects of it: a link
 # with less load than that is not surely at a flank

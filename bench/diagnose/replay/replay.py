@@ -23,8 +23,8 @@ from bench.effects.levels import acts_in
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 from bench.robot.recent import Recent
-from bench.simulate.plant import Trace
 from bench.simulate.prescribed import TOLERANCE
+from bench.simulate.trace import Trace
 
 MOST_EARLIER = 16  # effort: motions kept; a world with a delay of each of six drives asks for six
 

@@ -24,7 +24,7 @@ from bench.report.recording.scene import floor_height, scene_of
 from bench.report.recording.write import MAGNIFICATION, extent_of
 from bench.report.recording.writer import RecordingWriter, identity_of, recording_to
 from bench.robot.compiled import CompiledRobot
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 if TYPE_CHECKING:
     from rerun.blueprint import Blueprint, View

@@ -9,7 +9,7 @@ from bench.report.recording.poses import Poses
 from bench.report.recording.surroundings import log_load
 from bench.report.recording.writer import RecordingWriter
 from bench.robot.compiled import CompiledRobot
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 ROBOT, GHOST = "robot/elastic", "robot/compared"
 TRANSLUCENT = np.array([150, 190, 230, 70], dtype=np.uint8)

@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.robot.bodies import Array, read_only
 from bench.robot.compiled import CompiledRobot
-from bench.simulate.plant import Trace
+from bench.simulate.trace import Trace
 
 
 @dataclass(frozen=True)

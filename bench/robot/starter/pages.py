@@ -7,7 +7,8 @@ from pydantic import BaseModel
 
 from bench.record.units import STANDARD_GRAVITY
 from bench.record.yaml_text import in_quotes
-from bench.robot.figures import Encoder, TorqueSensor, Tracker, Uncertainty
+from bench.robot.figures import Uncertainty
+from bench.robot.instruments import Encoder, TorqueSensor, Tracker
 from bench.robot.starter.assumed import ROTOR_KEPT, assumptions, is_kept
 from bench.robot.starter.defaults import ROTOR_GUESSED, DriveFigures, Survey
 from bench.robot.starter.mjcf import names_of, reflectors_of

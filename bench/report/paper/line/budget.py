@@ -13,7 +13,7 @@ from bench.identify.compensation import Compensation
 from bench.identify.line_passes import AXES, LinePass
 from bench.report.paper.line.sessions import LineSession, TruePass
 from bench.robot.bodies import Array
-from bench.robot.figures import Tracker
+from bench.robot.instruments import Tracker
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,8 @@ from bench.report.paper.methods.protocols import AS_PLANNED, Protocol
 from bench.robot.bodies import Array
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.edits import proportional_servo, shared_friction
-from bench.robot.figures import ForceSensor, Instruments, Tracker
 from bench.robot.folder import Robot, load_robot
+from bench.robot.instruments import ForceSensor, Instruments, Tracker
 from bench.robot.links import rigid_bodies
 from bench.scenario.loading import Loading
 from bench.simulate.quasistatic import RestLog, rests_of
