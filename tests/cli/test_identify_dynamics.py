@@ -14,7 +14,7 @@ from tests.recordings import write_kr300
 def campaigns(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     """Return two stand-ins for recordings of one robot."""
     folder, rng = tmp_path_factory.mktemp("dynamics"), np.random.default_rng(3)
-    for name, seconds in (("one", 10.0), ("two", 7.0)):
+    for name, seconds in (("one", 6.0), ("two", 5.0)):
         write_kr300(folder / f"{name}.csv", rng, seconds)
         assert main(["convert", "kr300", str(folder / f"{name}.csv"), "-o", str(folder / name)]) == 0
     return folder / "one", folder / "two"

@@ -59,7 +59,7 @@ def test_where_least_squares_predicts_better_nothing_stated_of_links_is_believed
     assert any(one.name.startswith(("mass of", "centre of mass of")) for one in moved)  # beyond what was stated
 
 
-@pytest.mark.parametrize("hidden", [{}, GAS])
+@pytest.mark.parametrize("hidden", [pytest.param({}, marks=pytest.mark.study), GAS])
 def test_a_right_model_is_as_good_as_least_squares(hidden: dict[str, float]) -> None:
     found = beside(made(SWEEPS, SEED, hidden), {"gas_loss": None})
     (drive,) = found.drives

@@ -20,6 +20,7 @@ from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
 from tests.simulate.session_small import small_session
 
+CHOICE = ("channel_delay", "channel_scale", "coulomb_level", "joint_compliance", "gas_loss")
 HIDDEN = ("channel_delay@tracker=0.2", "coulomb_level@1=0.6")
 
 
@@ -29,7 +30,8 @@ def diagnosis(small_robot: Path) -> Diagnosis:
     session, effects = small_session(compiled.robot.folder), catalogue()
     acting = effects_of(HIDDEN, compiled, effects, None, recorded_of(compiled.robot, session))
     hidden = hide_campaign(compiled.robot, session, acting, np.random.default_rng(3), background=False)
-    return diagnose(hidden.campaign, compiled, effects, most_bins=12, proposes=False)
+    choice = {name: effects[name] for name in CHOICE}
+    return diagnose(hidden.campaign, compiled, choice, most_bins=12, proposes=False)
 
 
 def names(found: Fit | None) -> set[str]:

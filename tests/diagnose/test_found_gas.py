@@ -54,7 +54,7 @@ def recorded(folder: Path, longer: float, seed: int) -> Campaign:
     return hide_campaign(load_robot(true), small_rotation(true), [], rng, background=False).campaign
 
 
-@pytest.mark.parametrize("longer", [0.008, -0.008])
+@pytest.mark.parametrize("longer", [pytest.param(0.008, marks=pytest.mark.study), -0.008])
 def test_gas_is_found_as_surely_as_its_cylinder_is_known(empty: CompiledRobot, tmp_path: Path, longer: float) -> None:
     """Of a stranger's KR300 0.961 (0.936 to 0.986) of the charge was found, where it was 0.929: all else was exact."""
     effects = catalogue()

@@ -114,8 +114,9 @@ def test_nothing_to_go_by_is_an_error_that_says_what_to_log(
         diagnose(lacking(sweeps, *kinds), robot, {name: effects[name] for name in ("coulomb_level", "gas_loss")})
 
 
-@pytest.mark.parametrize("ramp", [0.1, 1.0])
-@pytest.mark.parametrize("is_stated", [True, False])
+@pytest.mark.parametrize(
+    ("is_stated", "ramp"), [(True, 0.1), (True, 1.0), (False, 1.0), pytest.param(False, 0.1, marks=pytest.mark.study)]
+)
 def test_friction_of_slow_motion_is_not_to_be_seen_in_fast_one(is_stated: bool, ramp: float, tmp_path: Path) -> None:
     """A rise at standstill does not show in sweeps that start and stop within a bin, and half of it in longer ramps.
 

@@ -81,7 +81,9 @@ def late(values: Array) -> Array:
         (LINE, PLACES, late, "reflector_1_x_m: is "),
         (LINE, ["q_motor_2_rad"], lambda q: q + 0.0087, "q_motor_2_rad: is +0.008"),
         (SWEEP, ["current_2_a"], late, "current_2_a: is 0.2"),
-        (SWEEP, ["load_mass_kg", "load_z_n"], lambda m: m / 2, "load_mass_kg: is 0.4"),
+        pytest.param(
+            SWEEP, ["load_mass_kg", "load_z_n"], lambda m: m / 2, "load_mass_kg: is 0.4", marks=pytest.mark.study
+        ),
     ],
 )
 def test_what_one_run_alone_has_is_told(

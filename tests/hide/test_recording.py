@@ -14,7 +14,7 @@ from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
 from tests.simulate.session_small import small_session
 
-RESOLUTION = 0.01  # [A], of the small robot's current sensors, as `figures.py` has it; each of three is rounded
+RESOLUTION = 0.01  # [A], of the small robot's current sensors, as `instruments.py` has it; each of three is rounded
 SAME = 1e-4  # of the travel; noise follows the distance from the tracker, by some millionths of it
 
 

@@ -13,9 +13,9 @@ from tests import scara, stranger
 from tests.stranger_started import erring, started
 
 DRIVES = 3
-LOGS = 8  # three ratios each
+MOST = 8  # logs, of three ratios each
 NINETY = 1.645  # exact: standard deviations to either side that hold 90 %
-LEAST_HELD = 18  # of 24 intervals of 90 %: fewer come by chance once in 100 (binomial)
+LEAST_HELD = {3: 6, MOST: 18}  # of intervals of 90 %: fewer come by chance less than once in 100 (binomial)
 RIGHT = 0.02  # relative: a quarter of what masses leave open; friction is a sharper step than the model's, and noise
 EVERY = np.ones(DRIVES, dtype=np.bool_)
 
@@ -60,16 +60,17 @@ def test_a_joint_that_stands_at_zero_tells_nothing(arm: NominalDynamics) -> None
     assert np.isinf(scale_of(arm, still, np.full(DRIVES, 100.0)).sigma[0])
 
 
-def test_ratios_lie_within_what_is_said_of_them(arm: NominalDynamics) -> None:
+@pytest.mark.parametrize("logs", [3, pytest.param(MOST, marks=pytest.mark.study)])
+def test_ratios_lie_within_what_is_said_of_them(arm: NominalDynamics, logs: int) -> None:
     """Payloads of 0 to 5 kg that nobody stated; masses, centres and rotors err by what the arm states of them."""
     scores = []
-    for seed in range(LOGS):
+    for seed in range(logs):
         rng = np.random.default_rng(200 + seed)
         motion = stranger.moved(rng, 15.0, stranger.as_filed(rng.uniform(0, 5)))
         ratio = rng.uniform(50, 200, DRIVES)
         scale = scale_of(erring(arm, rng), motion, ratio)
         scores.append(np.log(scale.factor * ratio) / scale.sigma)
-    assert int(np.sum(np.abs(scores) < NINETY)) >= LEAST_HELD
+    assert int(np.sum(np.abs(scores) < NINETY)) >= LEAST_HELD[logs]
     assert np.std(scores) > 0.3  # nor are they wide for nothing
 
 
@@ -77,7 +78,7 @@ def test_ratios_beside_a_payload_that_hangs_beside_its_axis(tmp_path: Path) -> N
     """The inertia of the payload went into the ratios: 5 of 18 intervals held them, and J4 was told to 24 % at best."""
     robot, hinges = started(tmp_path, scara.mjcf()), [0, 1, 3]
     scores, sigmas = [], []
-    for seed in range(LOGS):
+    for seed in range(MOST):
         rng = np.random.default_rng(200 + seed)
         log = scara.moved(rng, scara.Load(rng.uniform(0.5, 2.0), tuple(0.04 * rng.normal(size=3))))
         ratio = np.array([1.0 if j == 2 else rng.uniform(50, 200) for j in range(scara.N)])
@@ -89,6 +90,6 @@ def test_ratios_beside_a_payload_that_hangs_beside_its_axis(tmp_path: Path) -> N
         scale = angle_scale(erring(robot, rng), clock[5:-5], values[:, : scara.N], values[:, scara.N :], sought)
         scores.append(np.log(scale.factor * ratio)[hinges] / scale.sigma[hinges])
         sigmas.append(scale.sigma[hinges])
-    assert int(np.sum(np.abs(scores) < NINETY)) >= LEAST_HELD
+    assert int(np.sum(np.abs(scores) < NINETY)) >= LEAST_HELD[MOST]
     assert np.std(scores) > 0.3
     assert np.max(sigmas) < 0.1

@@ -102,7 +102,7 @@ def test_gas_that_was_lost_is_named(nominal: CompiledRobot, lost: float) -> None
     assert set(named(found)) == {"gas_amount", "gas_temperature"}  # warmth does as well, and nothing else is left
 
 
-@pytest.mark.parametrize("lost", [0.0, 0.05])
+@pytest.mark.parametrize("lost", [pytest.param(0.0, marks=pytest.mark.study), 0.05])
 def test_what_the_model_itself_may_err_by_is_nothing_anew(nominal: CompiledRobot, lost: float) -> None:
     """`--free gas_temperature` was proposed of a KR300 whose gas was as before: its masses were no surer than that."""
     mass, loss = (catalogue()[name] for name in ("link_mass", "gas_loss"))

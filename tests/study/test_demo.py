@@ -17,7 +17,7 @@ def setup() -> Setup:
     return prepare(Lab(), catalogue(), np.random.default_rng([HID_TORSION, NULL_STREAM]))
 
 
-@pytest.mark.parametrize("seed", [HID_TORSION, 1, 2, 3])
+@pytest.mark.parametrize("seed", [pytest.param(HID_TORSION, marks=pytest.mark.study), 1, 2, 3])
 def test_what_the_demo_hides_is_clearly_visible(seed: int, setup: Setup) -> None:
     trial = visible_trial(seed, setup)
     drawn = sized(setup.catalogue[trial.effects[0]], trial, setup, trial.rng(seed))

@@ -13,7 +13,7 @@ from tests.diagnose.sweeps import SWEEPS, made, nominal
 from tests.report.diagnosis.made import MISSING, NOT_MISSING, facts_for
 
 
-@pytest.mark.parametrize("times", [0.5, 2.0])
+@pytest.mark.parametrize("times", [pytest.param(0.5, marks=pytest.mark.study), 2.0])
 def test_errors_beyond_the_torque_itself_are_explained(times: float) -> None:
     """A session that moves each joint in runs of its own printed 46098 Nm without a word."""
     found = first_look(made(SWEEPS, 3), nominal()).found
