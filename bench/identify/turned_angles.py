@@ -4,7 +4,8 @@ First by the shape of the torque alone, each drive with a free offset: that is s
 has hold a part of the load. Directions that explain as much are then held against what does not change its sign with
 them: friction takes energy whichever way a drive moves, rotors have inertia, and a reading is off by no more than is
 stated. A slide whose weight another offset would have to hold up is turned, if friction cannot hold it either; nothing
-but that tells its direction where axes are upright, for everything else about it is even.
+but that tells its direction where axes are upright, for everything else about it is even. No joint is turned out of its
+range that stays within it as it is: what asks for that is something that no file has, or a zero that is elsewhere.
 """
 
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import lsq_linear, minimize_scalar
 
-from bench.identify.directions import Flags, directions
+from bench.identify.directions import Flags, directions, kept_by_range
 from bench.identify.drive_model import TINY, LinksAlong, Motion, best_payload, carrying, misfit, model_columns, solved
 from bench.record.campaign import Array
 from bench.robot.nominal_dynamics import NominalDynamics
@@ -33,11 +34,13 @@ class TurnedAngles:
         unsure: Shape (n,), whether its direction is not told: with some drives the other way round, torques are
             explained as well. An arm and its mirror image need the same torques.
         alone: Shape (n,), those of them that need the same when they alone are turned.
+        beyond: Shape (n,), not turned, though torques are explained far better so: they would be beyond their range.
     """
 
     turned: Flags
     unsure: Flags
     alone: Flags
+    beyond: Flags
 
 
 def turned_angles(nominal: NominalDynamics, time: Array, position: Array, reading: Array, read: Flags) -> TurnedAngles:
@@ -59,14 +62,23 @@ def turned_angles(nominal: NominalDynamics, time: Array, position: Array, readin
     turned = (LinksAlong.of(nominal, motion.seen(np.where(t, -1.0, 1.0), every)) for t in tried)
     columns = [model_columns(nominal, along)[read] for along in turned]
     free = [float(np.log(max(np.sum(_misfit(one, seen, nominal.payload)), TINY))) for one in columns]
-    alike = _alike(tried, free)
     offset = NINETY_NINE * nominal.torque_offset_sigma[read]
-    physical = [_physical_misfit(columns[k], seen, nominal.payload, offset) for k in alike]
-    tried = [tried[k] for k in alike]
-    best = tried[_best(tried, physical)]
-    others = [tried[k] != best for k in _alike(tried, physical)]
+
+    def found(places: list[int]) -> tuple[Flags, list[Flags]]:
+        """Return the best of some directions, and those that are not told apart from it, itself among them."""
+        alike = [places[k] for k in _alike([tried[k] for k in places], [free[k] for k in places])]
+        physical = [_physical_misfit(columns[k], seen, nominal.payload, offset) for k in alike]
+        flags = [tried[k] for k in alike]
+        return flags[_best(flags, physical)], [flags[k] for k in _alike(flags, physical)]
+
+    kept = kept_by_range(nominal.bodies.limits, position)
+    best, alike = found(list(range(len(tried))))
+    beyond = best & kept
+    if np.any(beyond):
+        best, alike = found([k for k, one in enumerate(tried) if not np.any(one & kept)])
+    others = [one != best for one in alike]
     alone = [other for other in others if np.sum(other) == 1]
-    return TurnedAngles(best, np.any([others[0] & False, *others], axis=0), np.any([best & False, *alone], axis=0))
+    return TurnedAngles(best, np.any(others, axis=0), np.any([best & False, *alone], axis=0), beyond)
 
 
 def _best(tried: list[Flags], misfits: list[float]) -> int:

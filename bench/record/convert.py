@@ -174,7 +174,8 @@ def _pieces(
         return [(0.0, columns)], 0.0
     columns["time_s"] = time = time - time[0]
     pieces = []
-    for rows, window in zip(layout.runs.windows(time), layout.runs.windows_s or [()], strict=True):
+    windows = layout.runs.windows(time) if layout.runs.windows_s else [log.covered]
+    for rows, window in zip(windows, layout.runs.windows_s or [()], strict=True):
         if rows.stop - rows.start == 0:
             message = f"window {list(window)} s holds no row: the log ends after {time[-1]:g} s"
             remedy = "give one within the log (--window-s, or `runs: windows_s` in the log.yaml)"

@@ -195,6 +195,19 @@ def test_an_angle_that_reaches_too_far_is_advised_what_brings_it_into_range(
 
 
 @pytest.mark.parametrize(
+    ("factor", "said"), [(1.0, "millimetres? multiply by 0.001"), (0.001, "counts of an encoder? look at its factor")]
+)
+def test_millimetres_are_not_advised_twice(tmp_path: Path, factor: float, said: str) -> None:
+    """Counts of a rail, taken for millimetres, were advised the factor that stood there."""
+    file = log(tmp_path, "a.csv", "t,q,i\n0,0,1\n0.1,75000,1\n0.2,150000,2\n")
+    columns = {"time_s": {"from": "t"}, "q_motor_1_m": {"from": "q", "factor": factor}, "current_1_a": {"from": "i"}}
+    with pytest.raises(CampaignError) as caught:
+        convert(file, LogFormat.model_validate({"columns": columns}), "mine", Arm((True,), ((-1.5, 1.5),), (None,)))
+    (problem,) = [line for line in str(caught.value).splitlines() if "no position of this joint" in line]
+    assert said in problem
+
+
+@pytest.mark.parametrize(
     ("first", "others", "said", "not_said"),
     [
         (6 * np.pi, 1.0, "a counter that stands 3 turns on? add the offset -18.849556", "degrees"),

@@ -77,6 +77,25 @@ def test_another_table_with_its_own_clock(tmp_path: Path) -> None:
         convert(tmp_path, form, "mine")
 
 
+@pytest.mark.parametrize(
+    ("late", "readings", "rows"), [(0.001, 499, (1, 499)), (-0.001, 500, (0, 499)), (0.0, 500, (0, 500))]
+)
+def test_another_table_need_not_begin_and_end_with_the_same_sample(
+    tmp_path: Path, late: float, readings: int, rows: tuple[int, int]
+) -> None:
+    """A logger that began half a millisecond later was refused, and one window does for no two logs."""
+    log(tmp_path, "a.csv", "t,q\n" + "".join(f"{k * 0.004:.3f},{k * 1e-3:.4f}\n" for k in range(500)))
+    log(tmp_path, "a.cur", "t,i\n" + "".join(f"{k * 0.004 + late:.3f},{k}\n" for k in range(readings)))
+    columns = {"time_s": {"from": "t"}, "q_motor_1_rad": {"from": "q"}, "current_1_a": {"from": "i", "table": "drives"}}
+    form = LogFormat.model_validate(
+        {"columns": columns, "tables": {"drives": {"file": "*.cur", "time_s": {"from": "t"}}}}
+    )
+    (run,) = convert(tmp_path, form, "mine").campaign.runs
+    first, last = rows
+    np.testing.assert_allclose(run.columns["q_motor_1_rad"], np.arange(first, last) * 1e-3, atol=1e-9)
+    np.testing.assert_allclose(run.columns["current_1_a"], np.arange(first, last) - late / 0.004, atol=1e-6)
+
+
 @pytest.mark.parametrize("stamp", ["{}", "{}Z", "{}+02:00", "{}-05:30"])
 @pytest.mark.parametrize("between", ["T", " "])
 def test_a_clock_of_dates(tmp_path: Path, stamp: str, between: str) -> None:

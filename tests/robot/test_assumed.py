@@ -204,9 +204,16 @@ def test_what_has_no_place_here_is_said_to_be_left_out(tmp_path: Path) -> None:
     assert "Left out: 1 safety_controller, 1 transmission." in (tmp_path / "arm" / "README.md").read_text()
 
 
-def test_a_spring_at_a_joint_is_said_to_be_left_out(tmp_path: Path) -> None:
-    started(tmp_path, stranger.mjcf().replace('name="j2" ', 'name="j2" stiffness="40" '))
-    assert "the spring of joint j2" in (tmp_path / "arm" / "README.md").read_text()
+@pytest.mark.parametrize(
+    "spring", ['stiffness="40"', 'stiffness="40" springref="1.1"', 'springref="1.1"', 'springdamper="0.2 1"']
+)
+def test_a_spring_at_a_joint_is_said_to_be_left_out(tmp_path: Path, spring: str) -> None:
+    """One that rests elsewhere than at zero was refused, as an elastic element that is wound; `springdamper` stayed."""
+    started(tmp_path, stranger.mjcf().replace('name="j2" ', f'name="j2" {spring} '))
+    said = "the spring of joint j2" in (tmp_path / "arm" / "README.md").read_text()
+    assert said == (spring != 'springref="1.1"')
+    model = compile_robot(load_robot(tmp_path / "arm")).model
+    assert model.jnt_stiffness[model.joint("j2").id] == 0
 
 
 def test_meshes_of_one_name_stay_two(tmp_path: Path) -> None:

@@ -45,9 +45,7 @@ class Cuts(Strict):
         return not (self.windows_s or self.split_at_s or self.split_at_rest_s)
 
     def windows(self, time: Array) -> list[slice]:
-        """Return the rows of each window, in which time rises; all rows where none is stated."""
-        if not self.windows_s:
-            return [slice(0, len(time))]
+        """Return the rows of each window that is stated; time rises."""
         found = []
         for begin, end in self.windows_s:
             rows = np.flatnonzero((time >= begin) & (time <= end))

@@ -29,11 +29,14 @@ class LogColumns:
             may still be nan.
         unused: Columns of the log that the format does not name.
         lines_before: Lines above the first row.
+        covered: The rows in which other tables have readings. Clocks of their own begin and end up to a step later or
+            earlier; what lacks more is a fault, and its rows are among these.
     """
 
     columns: dict[str, Array]
     unused: tuple[str, ...]
     lines_before: int
+    covered: slice
 
 
 def read_log(file: Path, layout: LogFormat, findings: list[Finding]) -> LogColumns | None:
@@ -44,16 +47,19 @@ def read_log(file: Path, layout: LogFormat, findings: list[Finding]) -> LogColum
     if "time_s" in own and own["time_s"].rate_hz is not None and table.columns:
         rows = len(next(iter(table.columns.values())))
         columns["time_s"] = np.arange(rows) / own["time_s"].rate_hz
+    covered = slice(0, max(map(len, columns.values()), default=0))
     for name, beside in layout.tables.items():
         if not faults:
             wanted = {key: origin for key, origin in layout.columns.items() if origin.table == name}
-            columns |= _beside(file, beside, wanted, columns["time_s"], faults)
+            others, seen = _beside(file, beside, wanted, columns["time_s"], faults)
+            columns |= others
+            covered = slice(max(covered.start, seen.start), min(covered.stop, seen.stop))
     findings += faults
     if faults:
         return None
     named = {origin.name_in(table.names) for origin in own.values()}
     unused = tuple(name for name in dict.fromkeys(table.names) if name and name not in named)
-    return LogColumns(columns, unused, layout.table.lines_before)
+    return LogColumns(columns, unused, layout.table.lines_before, covered)
 
 
 def no_values(file: Path, columns: dict[str, Array], rows: slice, log: LogColumns, layout: LogFormat) -> list[Finding]:
@@ -134,24 +140,33 @@ def _near(name: str, names: Sequence[str]) -> str:
 
 def _beside(
     file: Path, beside: Beside, wanted: dict[str, Origin], time: Array, faults: list[Finding]
-) -> dict[str, Array]:
-    """Return columns of another table of a log at the times of the log."""
+) -> tuple[dict[str, Array], slice]:
+    """Return columns of another table of a log at the times of the log, and the rows that it covers."""
+    every = slice(0, len(time))
     other = file if beside.topic else file.with_name(beside.file.replace("*", file.stem))
     is_there = os.path.isfile(other)  # noqa: PTH113  a name may be too long for pathlib
     if all(origin.optional for origin in wanted.values()) and not is_there:
-        return {}
+        return {}, every
     columns, found = _columns(other.name, _table(other, beside.topic, beside.table), {"time_s": beside.time_s} | wanted)
     clock = columns.pop("time_s", np.empty(0))
     faults += found
     if found or not columns:
-        return {}
+        return {}, every
     if len(clock) < 2 or not np.all(np.diff(clock) > 0):
         message, remedy = "does not rise from row to row", "put the rows in order of time, one for each"
         faults.append(Finding("error", other.name, None, str(beside.time_s), message, remedy))
-        return {}
+        return {}, every
     if TABLE_CELLS.exceeded(even_rows(clock) * len(columns)):
         message = f"pauses: {clock[-1] - clock[0]:g} s in steps of {float(np.median(np.diff(clock))):g} s"
         remedy = f"are more than {TABLE_CELLS}; cut what does not belong together"
         faults.append(Finding("error", other.name, None, str(beside.time_s), message, remedy))
-        return {}
-    return at_times(clock, columns, time)
+        return {}, every
+    return at_times(clock, columns, time), _covered(time, clock)
+
+
+def _covered(time: Array, clock: Array) -> slice:
+    """Return the rows of a log between the ends of another clock; all, where that lacks a step or more."""
+    step = float(np.median(np.diff(clock)))
+    first, last = int(np.searchsorted(time, clock[0])), int(np.searchsorted(time, clock[-1], "right"))
+    is_near = len(time) > 0 and clock[0] - time[0] < step and time[-1] - clock[-1] < step
+    return slice(first, last) if is_near and first < last else slice(0, len(time))

@@ -29,7 +29,8 @@ MAX_CURRENT = 1000.0  # [A]; drives of the heaviest arms stay below 200
 MAX_FORCE = 1e6  # [N], [Nm]; the strongest arms carry 2.3 t, 4 m out
 
 DEGREE = pi / 180
-ROUNDED = 1e-3  # of a factor for degrees that somebody rounded
+MILLI = 1e-3
+ROUNDED = 1e-3  # of a factor for degrees or millimetres that somebody rounded
 SPOILT = "lost or spoilt? leave such rows out"
 FAR = 1.5  # times the joint's own limit; model limits and soft limits differ by less
 BESIDE = {"rad": 0.02, "m": 0.005}  # what zero offsets and end stops explain
@@ -44,7 +45,8 @@ def angles(sheet: Sheet) -> Iterator[Finding]:
             bound = FAR * max(abs(lower), abs(upper))
         beside = BESIDE[column.unit]
         if rows := sheet.rows_outside(column.name, -bound, bound):
-            guess = "millimetres? multiply by 0.001"
+            is_reduced = abs(sheet.factors.get(column.name, 1.0)) <= MILLI * (1 + ROUNDED)
+            guess = "counts of an encoder? look at its factor" if is_reduced else "millimetres? multiply by 0.001"
             if not column.is_slide:
                 turns = _turns(sheet, column, values)
                 is_alone = turns and _others_fit(sheet, column)

@@ -8,6 +8,7 @@ import numpy as np
 from bench.identify.dynamics.coupled import coupled_motors
 from bench.identify.dynamics.found import FirstPass, Torques
 from bench.identify.dynamics.held_out import HeldOut
+from bench.identify.dynamics.leaning import leaning_of
 from bench.identify.dynamics.prior import WIDER
 from bench.identify.dynamics.warming import Warming, warming_of
 from bench.report.dynamics.words import REPETITION
@@ -31,6 +32,14 @@ def notes_of(found: FirstPass, predicted: Mapping[Path, Torques]) -> Iterator[st
             f"The motor of {one.joint} seems to turn with {one.other} as well, {one.ratio:.2f} times to one with its "
             f"own: its friction then explains {one.explained:.0%} of what is left of {one.joint}. Motors that turn "
             f"with two joints are not modelled, so friction, rotors and masses of both may be wrong by it."
+        )
+    if leaning := leaning_of(found):
+        shares = ", ".join(f"{share:.0%} of what is left of {joint}" for joint, share in leaning.explained.items())
+        yield (
+            f"Gravity seems to lean by {1e3 * leaning.lean:.2g} +- {1e3 * leaning.sigma:.1g} mrad against the model's, "
+            f"which explains {shares}. It is not fitted here, so masses and friction may be wrong by it: level the "
+            f"base, or measure how it leans and write gravity into <option> of the MJCF, about "
+            f'"{" ".join(f"{g:.4f}" for g in leaning.gravity)}". What is written there counts as exact.'
         )
     if found.folds.repeats:
         yield f"{REPETITION}; give one with --held-out."

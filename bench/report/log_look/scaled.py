@@ -72,6 +72,13 @@ def _of_directions(scale: DriveScale, nominal: NominalDynamics) -> Iterator[str]
             f"{moved_by(nominal, angles.turned)} of {who} count the other way round than the model's: "
             "their factors are turned below"
         )
+    if np.any(angles.beyond):
+        yield (
+            f"torques or currents would agree far better if {moved_by(nominal, angles.beyond)} of "
+            f"{', '.join(names[angles.beyond])} counted the other way round, but then they would lie beyond the range "
+            "that the robot has: left as they are. Either something carries load that the robot lacks (a spring, a "
+            "cylinder, a counterweight), or zero and direction both differ: look at the robot"
+        )
     slides = angles.alone & ~nominal.bodies.is_hinge
     for unsure, why in (
         (angles.unsure & ~slides, "an arm and its mirror image need the same"),

@@ -256,11 +256,13 @@ def _clear(spec: mujoco.MjSpec, driven: set[str]) -> tuple[str, ...]:
             spec.delete(element)
     for joint in list(spec.joints):
         if joint.name in driven:
-            if np.any(joint.stiffness):
+            if np.any(joint.stiffness) or np.any(joint.springdamper):
                 words.append(f"the spring of joint {joint.name}")
             joint.armature, joint.frictionloss = 0.0, 0.0
             joint.damping = np.zeros_like(np.atleast_1d(joint.damping))
             joint.stiffness = np.zeros_like(np.atleast_1d(joint.stiffness))
+            joint.springdamper = np.zeros_like(joint.springdamper)
+            joint.springref = 0.0  # where a spring rests; the elastic element would rest there
         else:
             words.append(f"joint {joint.name or 'without a name'}, held at its zero")
             spec.delete(joint)
