@@ -174,7 +174,7 @@ def test_side(small: Robot, small_compiled: CompiledRobot, moved: float, motor: 
 
 
 def test_as_much_moves_either_way_and_what_moves_twice_adds_up(hh150: Robot, hh150_compiled: CompiledRobot) -> None:
-    """Of 86 % of the link's friction that moved to its motor 69 % came out: a signature is that of the other way."""
+    """What moved back to the motor came out at less than half of itself: a signature is that of the other way."""
 
     def moved(*shares: float) -> float:
         edits = [edit_of("friction_side", hh150_compiled, {"moved": share}, 1) for share in shares]
