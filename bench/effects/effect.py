@@ -150,7 +150,7 @@ class Effect(ABC):
     def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
         """Return the parameters with the ranges and units that hold at a place; by default `parameters`.
 
-        Only `unit`, `words`, `low` and `high` may differ: a light drive has less friction in Nm than a heavy one.
+        Names, signs and shapes are the same: a light drive has less friction in Nm than a heavy one, and can lose less.
         """
         return self.parameters
 

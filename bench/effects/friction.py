@@ -1,5 +1,7 @@
 """Friction of a drive: how high its levels are, and on which side of the elastic element it sits."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 
@@ -21,6 +23,8 @@ BITTENCOURT = (
 )
 # Wear, preload and lubricant act on all friction of a drive (Bittencourt and Gunnarsson, 2012)
 ALL_OF_A_DRIVE = ("coulomb_level", "viscous_level", "rolling_level", "stribeck", "load_friction")
+
+DIGITS = 3  # rounding: of the share of friction that sits on a side, in ranges
 
 
 class OnFriction(OnDrive):
@@ -97,15 +101,31 @@ class FrictionSide(WithCoulomb):
     title = "friction between motor side and link side"
     physics = (
         "What sits before the elastic element is paid by the motor alone; what sits behind it (output bearing, seals) "
-        "carries part of the load. x > 0 moves x of the motor side's level to the link side, x < 0 moves -x of "
-        "the link side's to the motor side; the sum stays."
+        "carries part of the load. x of the sum of both sides' levels moves to the link side, where x < 0 from there; "
+        "the sum stays."
     )
-    source = "DESIGN 3 (both sides and what they do to identification); range: all of it may move"
+    source = "DESIGN 3 (both sides and what they do to identification); range: all of a side may move"
     parameters = (
         Parameter(
-            "moved", "", 0.0, 0.1, 1.0, "share that moves, + to the link side", signed=True, least=-1.0, most=1.0
+            "moved",
+            "",
+            0.0,
+            0.1,
+            1.0,
+            "share of both sides' sum that moves, + to the link side",
+            signed=True,
+            least=-1.0,
+            most=1.0,
         ),
     )
+
+    def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
+        """Return the share with its range: no more than a side has; a typical one moves to the link side."""
+        (moved,) = self.parameters
+        levels = np.array([compiled.motor_coulomb[place.index], compiled.link_coulomb[place.index]])
+        motor, link = np.round(levels / np.sum(levels), DIGITS).tolist()
+        high = max(motor, link)
+        return (replace(moved, low=moved.low * motor**2 / high, high=high, least=-link, most=motor),)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         moved = values["moved"]
@@ -113,7 +133,7 @@ class FrictionSide(WithCoulomb):
         def change(spec: mujoco.MjSpec, robot: Robot) -> None:
             drive = drive_of(robot, place)
             motor, link = coulomb(spec, drive, "motor"), coulomb(spec, drive, "link")
-            step = moved * (motor if moved > 0 else link)
+            step = float(np.clip(moved * (motor + link), -link, motor))
             set_coulomb(spec, drive, "motor", motor - step)
             set_coulomb(spec, drive, "link", link + step)
 

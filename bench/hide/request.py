@@ -71,24 +71,26 @@ def _one(
     if name not in catalogue:
         raise InputError(unknown_name("effect", name, catalogue))
     effect = catalogue[name]
-    parameters = {parameter.name: parameter for parameter in effect.parameters}
     chosen = match["parameter"] or effect.parameters[0].name
-    if chosen not in parameters:
-        raise InputError(f"effect {name!r}: {unknown_name('parameter', chosen, parameters)}")
-    share = "" if parameters[chosen].unit else "; a share of 2 % is written 0.02"
+    known = [parameter.name for parameter in effect.parameters]
+    if chosen not in known:
+        raise InputError(f"effect {name!r}: {unknown_name('parameter', chosen, known)}")
+    place = _place(effect, match["place"], effect.places_in(compiled, recorded), joint)
+    parameter = effect.parameters_at(compiled, place)[known.index(chosen)]
+    share = "" if parameter.unit else "; a share of 2 % is written 0.02"
     try:
-        value = parameters[chosen].typical if match["value"] is None else float(match["value"])
+        value = parameter.typical if match["value"] is None else float(match["value"])
     except ValueError:
         value = nan
     if not isfinite(value):
         remedy = share.removeprefix("; ") if str(match["value"]).rstrip().endswith("%") and share else GRAMMAR
         raise InputError(f"{word!r}: {match['value']!r} is not a number; {remedy}.")
-    least, most = parameters[chosen].least, parameters[chosen].most
+    least, most = parameter.least, parameter.most
     if not least <= value <= most:
         allowed = f"at least {least:g}" if most == inf else f"between {least:g} and {most:g}"
         allowed = f"at most {most:g}" if least == -inf else allowed
         raise InputError(f"{word!r}: {chosen} is {allowed}; beyond it means nothing{share}.")
-    return effect, _place(effect, match["place"], effect.places_in(compiled, recorded), joint), chosen, value
+    return effect, place, chosen, value
 
 
 def _place(effect: Effect, asked: str | None, places: Sequence[Place], joint: int | None) -> Place:

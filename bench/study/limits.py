@@ -53,12 +53,13 @@ class Way:
         return cls(effect, place, direction, shape)
 
     def at(self, size: float, compiled: CompiledRobot) -> Acting:
-        """Return the effect at a size, as a share of the largest plausible one."""
+        """Return the effect at a size, as a share of the largest plausible one; no more than means anything."""
         values = dict(self.shape)
         for parameter in self.effect.parameters_at(compiled, self.place):
             if not parameter.is_shape:
                 share = size * self.direction.get(parameter.name, 0.0)
-                values[parameter.name] = parameter.null + share * parameter.high
+                value = parameter.null + share * parameter.high
+                values[parameter.name] = min(max(value, parameter.least), parameter.most)
         return Acting(self.effect, self.place, values)
 
     def smallest(self, compiled: CompiledRobot) -> float:

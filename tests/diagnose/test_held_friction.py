@@ -51,9 +51,9 @@ def held(linear: LinearisedModel, side: str) -> np.ndarray:
 
 def test_friction_that_moved_to_the_link_is_held_there(linear: LinearisedModel) -> None:
     compiled = linear.replay.compiled
-    about = with_friction_of(linear, world("friction_side", moved=0.5), compiled.play)
+    about = with_friction_of(linear, world("friction_side", moved=0.35), compiled.play)
     np.testing.assert_allclose(linear.scatter.levels, levels_of(compiled))
-    moved = 0.5 * compiled.motor_coulomb[JOINT]
+    moved = 0.35 * (compiled.motor_coulomb + compiled.link_coulomb)[JOINT]
     others = np.arange(compiled.n_joints) != JOINT
     np.testing.assert_allclose(about.scatter.levels[:, others], linear.scatter.levels[:, others])
     np.testing.assert_allclose(about.scatter.levels[0, JOINT], compiled.link_coulomb[JOINT] + moved, rtol=1e-6)

@@ -18,6 +18,7 @@ START = np.array([0.1, -0.2])
 SPEED = np.array([0.1, -0.1])  # [rad/s]
 TAIL = slice(1500, None)  # steps after which all elements slide
 SLIDING = 1e-6  # relative
+ROUNDED = 2e-3  # of a side's level, in the range of what may move: three digits of a share of both sides
 
 
 @pytest.fixture(params=["own", "shared"])
@@ -164,12 +165,37 @@ def test_ripple(robot: Robot) -> None:
     np.testing.assert_allclose(trace.motor_friction[TAIL, 1], expected, rtol=1e-6)
 
 
-@pytest.mark.parametrize(("moved", "motor", "link"), [(0.5, 0.5, 1.5), (-1.0, 2.0, 0.0)])
+@pytest.mark.parametrize(("moved", "motor", "link"), [(0.25, 0.5, 1.5), (-0.5, 2.0, 0.0)])
 def test_side(small: Robot, small_compiled: CompiledRobot, moved: float, motor: float, link: float) -> None:
     """Both sides of the small robot have the same level."""
     changed = compile_robot(small, [edit_of("friction_side", small_compiled, {"moved": moved}, 1)])
     np.testing.assert_allclose(changed.motor_coulomb, np.array(FRICTION) * [1, motor])
     np.testing.assert_allclose(changed.link_coulomb, np.array(FRICTION) * [1, link])
+
+
+def test_as_much_moves_either_way_and_what_moves_twice_adds_up(hh150: Robot, hh150_compiled: CompiledRobot) -> None:
+    """What moved back to the motor came out at less than half of itself: a signature is that of the other way."""
+
+    def moved(*shares: float) -> float:
+        edits = [edit_of("friction_side", hh150_compiled, {"moved": share}, 1) for share in shares]
+        changed = compile_robot(hh150, edits)
+        levels = changed.motor_coulomb + changed.link_coulomb
+        np.testing.assert_allclose(levels, hh150_compiled.motor_coulomb + hh150_compiled.link_coulomb)
+        return float(changed.link_coulomb[1] - hh150_compiled.link_coulomb[1])
+
+    assert moved(-0.1) == pytest.approx(-moved(0.1))
+    assert moved(-0.1, -0.1) == pytest.approx(moved(-0.2))
+
+
+def test_no_more_moves_than_a_side_has(hh150: Robot, hh150_compiled: CompiledRobot) -> None:
+    effect = CATALOGUE["friction_side"]
+    for place in effect.places(hh150_compiled):
+        (moved,) = effect.parameters_at(hh150_compiled, place)
+        for share, side in ((moved.least, "link_coulomb"), (moved.most, "motor_coulomb")):
+            changed = compile_robot(hh150, [edit_of("friction_side", hh150_compiled, {"moved": share}, place.index)])
+            there = getattr(hh150_compiled, side)[place.index]
+            assert getattr(changed, side)[place.index] == pytest.approx(0.0, abs=ROUNDED * there)
+        assert moved.null < moved.typical < moved.most
 
 
 def test_viscous(hh150: Robot, hh150_compiled: CompiledRobot) -> None:

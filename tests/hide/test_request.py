@@ -37,8 +37,8 @@ def test_words(words: list[str], place: str, values: dict[str, float], compiled:
 def test_value_that_means_nothing(compiled: CompiledRobot) -> None:
     with pytest.raises(InputError, match="change is at least -1;"):
         effects_of(["coulomb_level@1=-1.5"], compiled, catalogue())
-    with pytest.raises(InputError, match="moved is between -1 and 1;"):
-        effects_of(["friction_side@1=1.5"], compiled, catalogue())
+    with pytest.raises(InputError, match=r"moved is between -0\.5 and 0\.5;"):
+        effects_of(["friction_side@1=0.6"], compiled, catalogue())
 
 
 def test_several_effects_and_the_joint_apart(compiled: CompiledRobot) -> None:
