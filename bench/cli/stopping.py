@@ -3,6 +3,7 @@
 import os
 import re
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,6 +14,7 @@ from bench.executor.watched import Stop
 
 UNITS_S = {"": 1.0, "s": 1.0, "m": 60.0, "min": 60.0, "h": 3600.0}
 UNFINISHED = 7  # exit code
+SOON_S = 0.01  # after which a signal that was ignored comes again
 HEARD = b"\nbench: ends with what was found so far; Ctrl-C once more ends at once, without a result\n"
 
 
@@ -55,10 +57,37 @@ def _hearing(heard: Callable[[int, FrameType | None], None], *numbers: int) -> I
         return
     before = {number: signal.signal(number, heard) for number in numbers}
     try:
-        yield
+        with _sent_again_where_ignored():
+            yield
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+@contextmanager
+def _sent_again_where_ignored() -> Iterator[None]:
+    """Within the block, send a signal once more whose exception Python ignored, as it does in what runs around a fork.
+
+    The second one comes from another thread and a little later: within the hook itself it would be ignored as well.
+    """
+    before = sys.unraisablehook
+    main = threading.main_thread().ident
+    assert main is not None
+
+    def ignored(what: "sys.UnraisableHookArgs") -> None:
+        if not isinstance(what.exc_value, KeyboardInterrupt):
+            before(what)
+            return
+        number = signal.SIGTERM if isinstance(what.exc_value, TerminatedError) else signal.SIGINT
+        again = threading.Timer(SOON_S, signal.pthread_kill, (main, number))
+        again.daemon = True
+        again.start()
+
+    sys.unraisablehook = ignored
+    try:
+        yield
+    finally:
+        sys.unraisablehook = before
 
 
 class TerminatedError(KeyboardInterrupt):

@@ -184,9 +184,8 @@ def _run(file: Path) -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
-    except (
-        Exception,
-        SystemExit,
-    ) as error:  # a user's file may raise anything, and end
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # a user's file may raise anything, and end
         raise InputError(f"{line_in(file, error)}: does not run: {type(error).__name__}: {error}") from error
     return module

@@ -1,7 +1,8 @@
 """A user's own effects: what goes wrong in them is said with file, line and the name of the effect."""
 
+import re
 import traceback
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import fields
 from functools import wraps
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Any, get_args
 import numpy as np
 
 from bench.effects.conditions import Conditions
-from bench.effects.effect import Effect, Family, Parameter
+from bench.effects.effect import Between, Effect, Family, Level, Parameter, Place
 from bench.effects.followed import Torques
 from bench.effects.recorded import Lateness, LogError
 from bench.errors import BenchError, InputError
@@ -19,6 +20,9 @@ from bench.robot.patched import Unpatched
 from bench.simulate.instruments import Reading
 
 REQUIRED = ("name", "family", "title", "physics", "source", "parameters")
+SNAKE_CASE = re.compile(r"[a-z][a-z0-9_]*")  # what stands around a name on a command line has a meaning: = @ :
+NUMBERS = ("null", "low", "high")  # of a parameter
+CHOICES = {"family": Family, "level": Level, "between": Between}
 METHODS = (
     "places",
     "places_in",
@@ -31,6 +35,8 @@ METHODS = (
     "lateness",
     "log_error",
 )
+ACTING = ("edit", "torques", "encoder_error", "distort", "lateness", "log_error")  # one of them changes something
+TUPLES: dict[str, type] = {"places": Place, "places_in": Place, "parameters_at": Parameter}  # returns tuples of these
 
 
 class EffectError(InputError):
@@ -42,20 +48,35 @@ def faults_of(kind: type[Effect]) -> list[str]:
     if missing := [name for name in REQUIRED if not hasattr(kind, name)]:
         return [f"set {', '.join(missing)}."]
     found = [f"{name} must be text." for name in REQUIRED[:-1] if not isinstance(getattr(kind, name), str)]
-    if kind.family not in get_args(Family):
-        found.append(f"family {kind.family!r} is unknown; choose one of {', '.join(get_args(Family))}.")
+    if not found and not SNAKE_CASE.fullmatch(kind.name):
+        found.append(f"name {kind.name!r} must be in snake_case: small letters, digits and _.")
+    for name, choices in CHOICES.items():
+        if getattr(kind, name) not in get_args(choices):
+            found.append(f"{name} {getattr(kind, name)!r} is unknown; choose one of {', '.join(get_args(choices))}.")
+    if all(getattr(kind, name) is getattr(Effect, name) for name in ACTING):
+        found.append(f"does nothing; give it one of {', '.join(ACTING)}.")
     parameters = kind.parameters
     if not isinstance(parameters, tuple) or not all(isinstance(one, Parameter) for one in parameters):
         found.append("parameters must be a tuple of Parameter; a tuple of one ends with a comma.")
     elif not parameters:
         found.append("parameters is empty; give one at least.")
     else:
-        found += [f"parameter {one.name!r}: low is above high." for one in parameters if not one.low <= one.high]
-    if not isinstance(kind.needs, tuple):
+        found += [f"parameter {one.name!r}: {fault}" for one in parameters for fault in _faults_of_range(one)]
+        names = [one.name for one in parameters]
+        found += [f"parameter {name!r} is there twice." for name in dict.fromkeys(names) if names.count(name) > 1]
+    if not isinstance(kind.needs, tuple) or not all(isinstance(need, str) for need in kind.needs):
         found.append("needs must be a tuple of text; a tuple of one ends with a comma.")
     elif kind.edit is not Effect.edit and not kind.depends_on_conditions and _needs_temperature(kind):
         found.append("needs a temperature and edits the model: set depends_on_conditions = True.")
     return found
+
+
+def _faults_of_range(parameter: Parameter) -> Iterator[str]:
+    numbers = [getattr(parameter, name) for name in NUMBERS]
+    if not all(isinstance(number, int | float) and np.isfinite(number) for number in numbers):
+        yield f"{', '.join(NUMBERS)} must be finite numbers."
+    elif not parameter.low <= parameter.high:
+        yield "low is above high."
 
 
 def _needs_temperature(kind: type[Effect]) -> bool:
@@ -95,8 +116,9 @@ def try_out(effects: Iterable[Effect], compiled: CompiledRobot) -> None:
 
 def line_in(file: Path, error: BaseException) -> str:
     """Return the file with the line in which an error arose, "file:12"; without the line where it is elsewhere."""
-    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
-    line = error.lineno if isinstance(error, SyntaxError) and error.filename == str(file) else (lines or [None])[-1]
+    names = (str(file), str(file.absolute()))  # Python makes the names of files that it imports absolute
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename in names]
+    line = error.lineno if isinstance(error, SyntaxError) and error.filename in names else (lines or [None])[-1]
     return f"{file}:{line}" if line else str(file)
 
 
@@ -123,6 +145,8 @@ def _guard(call: Callable[..., Any], file: Path, effect: str, method: str) -> Ca
 
 def _wrong_result(method: str, args: tuple[Any, ...], found: Any) -> str:
     """Return what is wrong with what a method returned, or nothing."""
+    if method in TUPLES and not (isinstance(found, tuple) and all(isinstance(one, TUPLES[method]) for one in found)):
+        return f"must return a tuple of {TUPLES[method].__name__}; a tuple of one ends with a comma."
     if method == "edit" and found is not None and not callable(found):
         return "must return a function of spec and robot, or None."
     if method == "lateness" and not isinstance(found, Lateness | None):

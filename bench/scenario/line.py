@@ -115,7 +115,7 @@ class LinePart(Strict):
             if getattr(self, name) is not None and not np.any(getattr(self, name)):
                 problems.append(f"{name}: is zero; give a direction, such as [0, 0, -1].")
         samples = self.length_m / (self.speed_m_per_s * self.sample_period_s)
-        if round(samples) < 1 or abs(samples - round(samples)) > WHOLE * samples:
+        if not np.isfinite(samples) or round(samples) < 1 or abs(samples - round(samples)) > WHOLE * samples:
             problems.append(
                 f"sample_period_s: {self.length_m:g} m at {self.speed_m_per_s:g} m/s are {samples:g} samples; make "
                 "it a whole number, so that both ends of the line are read."

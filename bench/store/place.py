@@ -35,15 +35,17 @@ def limited(store: Store, limit_bytes: int) -> Store:
     """Return the store with another limit, which holds from now on; what exceeds it is removed.
 
     Raises:
-        InputError: The folder cannot be written.
+        InputError: The folder cannot be written; then the limit that was holds.
     """
     changed = Store(store.folder, limit_bytes)
     file = store.folder / LIMIT_FILE
     try:
         store.folder.mkdir(parents=True, exist_ok=True)
-        file.write_text(str(limit_bytes), encoding="ascii")
+        with changed.locked():
+            file.write_text(str(limit_bytes), encoding="ascii")
     except OSError as error:
-        raise InputError(f"{file}: cannot be written ({error.strerror}); choose a folder with {VARIABLE}") from error
+        said = error.filename or file  # of a lock that is none, its name
+        raise InputError(f"{said}: cannot be written ({error.strerror}); choose a folder with {VARIABLE}") from error
     if why := changed.shrink():
         raise InputError(why)
     return changed

@@ -102,7 +102,7 @@ class Store:
         partial = file.with_suffix(".partial")
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            with self._locked():
+            with self.locked():
                 try:
                     self._make_room(size, first=key)
                     with partial.open("wb") as opened:
@@ -145,7 +145,7 @@ class Store:
         if not self.folder.is_dir():
             return None
         try:
-            with self._locked():
+            with self.locked():
                 self._make_room(0)
                 for key in self.known() if everything else ():
                     self._file(key).unlink(missing_ok=True)
@@ -189,8 +189,8 @@ class Store:
             total -= taken
 
     @contextmanager
-    def _locked(self) -> Iterator[None]:
-        """Hold the folder against other writers.
+    def locked(self) -> Iterator[None]:
+        """Hold the folder, which is there, against other writers.
 
         Raises:
             OSError: Not allowed, or another process does not let go.

@@ -166,6 +166,28 @@ def test_a_request_to_end_that_became_another_error_is_one(
         raise ValueError("of its own")
 
 
+@pytest.mark.parametrize(("number", "asked"), [(signal.SIGTERM, TerminatedError), (signal.SIGINT, KeyboardInterrupt)])
+def test_a_request_to_end_that_python_ignored_comes_again(
+    number: signal.Signals, asked: type[KeyboardInterrupt], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """In the middle of a fork it was "Exception ignored in _releaseLock", and the command went on."""
+
+    class Unheard:
+        def __del__(self) -> None:  # as all that Python calls at a fork: what it raises is printed, and that is all
+            os.kill(os.getpid(), number)
+
+    def work() -> None:
+        Unheard()
+        time.sleep(10)
+
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt) as raised, ending_at_a_signal():
+        work()
+    assert raised.type is asked
+    assert time.monotonic() - begin < 5
+    assert capsys.readouterr().err == ""
+
+
 def test_ctrl_c_that_is_ignored_stays_ignored() -> None:
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:

@@ -9,7 +9,7 @@ import pytest
 from bench.diagnose.plausibility.channels import doubts_of
 from bench.diagnose.plausibility.drive_picture import DrivePicture
 from bench.diagnose.plausibility.hints import hints_of
-from bench.diagnose.plausibility.one_run import _mistaken
+from bench.diagnose.plausibility.mistaken_run import _mistaken
 from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Array, Campaign
 from bench.robot.compiled import CompiledRobot, compile_robot

@@ -66,6 +66,9 @@ class Gremlin(Effect):
     physics = "It is in there."
     source = "seen"
     parameters = (Parameter("size", "m", 0.0, 0.1, 1.0, "how big"),)
+
+    def edit(self, place, values, conditions):
+        return None
 """
 
 

@@ -161,6 +161,19 @@ def copied_runs(rng: np.random.Generator) -> Iterator[Variant]:
     ):
         yield Variant("copied runs", name, rewritten(change), "doubt", ("holds the same readings as",))
 
+    def cut_out(first: int, last: int | None) -> Spoil:
+        def spoil(folder: Path) -> None:
+            alike = [file for file in tables(folder) if "pose" not in Sheet(file).names]
+            sheet, rows = Sheet(alike[1]), Sheet(alike[0]).rows
+            begin = float(rows[first][0])
+            sheet.rows = [[repr(float(row[0]) - begin), *row[1:]] for row in rows[first:last]]
+            sheet.write()
+
+        return spoil
+
+    for name, first, last in (("the end of another run", 25, None), ("the middle of another run", 10, 50)):
+        yield Variant("copied runs", name, cut_out(first, last), "doubt", ("from row", "do the logs overlap?"))
+
     def freeze(folder: Path) -> None:
         sheet = Sheet(folder / "runs" / MOTION)
         sheet.rows = [[row[0], *sheet.rows[0][1:]] for row in sheet.rows]

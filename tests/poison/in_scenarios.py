@@ -1,6 +1,7 @@
 """Scenarios, log formats, logs, other people's models, and places to write to."""
 
 import os
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -50,6 +51,11 @@ def scenarios(rng: np.random.Generator) -> Iterator[Variant]:
         "a long number": (sound.replace("seed: 1", f"seed: {'9' * 5000}"), "characters"),
         "a date that is none": (sound + "x: 2024-99-99\n", "month"),
     }
+    line = (paths.scenarios_dir() / "line.yaml").read_text()
+    faults["a line without speed"] = (
+        re.sub(r"speed_m_per_s: [\d.]+", "speed_m_per_s: 1e-320", line, count=1),
+        "speed_m_per_s: 0.6 m take more than a day",  # it ended in a traceback
+    )
     for name, (text, place) in faults.items():
         yield Variant("scenarios", name, _file(SCENARIO, text), "error", (place,), RUN)
 

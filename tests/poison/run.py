@@ -30,6 +30,7 @@ from tests.poison import (
     in_channels,
     in_commands,
     in_cross_checks,
+    in_effects,
     in_files,
     in_loads,
     in_manifests,
@@ -58,7 +59,7 @@ FAMILIES: Sequence[Family] = (
     *(*in_manifests.FAMILIES, *in_files.FAMILIES, *in_parquet.FAMILIES, *in_readings.FAMILIES, *in_models.FAMILIES),
     *(*in_stops.FAMILIES, *in_statistics.FAMILIES, *in_values.FAMILIES),
     *(*in_robots.FAMILIES, *in_scenarios.FAMILIES, *in_results.FAMILIES, *in_loads.FAMILIES, *in_commands.FAMILIES),
-    *in_refusals.FAMILIES,
+    *(*in_refusals.FAMILIES, *in_effects.FAMILIES),
 )
 PROMISE = PredictedError("current_1_a", "A", "motion", 4, 0.02, 0.01, 0.05)
 Kind = Literal["right", "silent", "wrong", "traceback", "hang"]

@@ -177,7 +177,8 @@ def test_table_that_no_run_names_is_a_warning(tmp_path: Path) -> None:
 def test_runs_come_in_order_and_do_not_overlap(tmp_path: Path) -> None:
     second = "{name: b, kind: motion, start_s: START, file: runs/b.csv}"
     folder = folder_with(tmp_path, "")
-    (folder / "runs" / "b.csv").write_bytes((folder / "runs" / "a.csv").read_bytes().rstrip().rpartition(b"\n")[0])
+    other = write_folder(tmp_path / "other", motion(sweep(2)))
+    (other / "runs" / "a.csv").rename(folder / "runs" / "b.csv")
     (folder / "campaign.yaml").write_text(f"format: 1\nrobot: r\nruns: [{second.replace('START', '60')}, {RUN}]")
     report = check_campaign(folder)
     assert report.findings == ()

@@ -137,6 +137,18 @@ def test_a_copy_with_little_noise_of_its_own_is_doubted_and_a_repeat_is_not(rng:
     assert [finding.file for finding in said] == ["runs/c.csv"]
 
 
+def test_logs_that_overlap_are_doubted() -> None:
+    """A window of one log was a run of its own, and its readings counted twice."""
+    whole, rows = sheet("a", 1), len(sheet("a", 1).run)
+    later = {name: values[rows // 2 :] for name, values in whole.run.columns.items()}
+    later |= {"time_s": later["time_s"] - later["time_s"][0]}
+    window = Sheet(motion(later, "b", 500.0), "runs/b.csv", tuple(later))
+    finding = only(examine_all([whole, window]))
+    assert (finding.level, finding.file) == ("doubt", "runs/b.csv")
+    said = f"{rows - rows // 2} rows from row 1 on read as runs/a.csv does from row {rows // 2 + 1} on"
+    assert said in finding.message
+
+
 def test_runs_without_noise_may_be_alike() -> None:
     columns = {"time_s": np.arange(40.0), "q_cmd_1_rad": np.zeros(40), "q_motor_1_rad": np.zeros(40)}
     runs = [motion(columns, name, start) for name, start in (("a", 0.0), ("b", 100.0))]

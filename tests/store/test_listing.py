@@ -59,6 +59,16 @@ def test_a_limit_without_a_unit_removes_nothing(folder: Path, capsys: pytest.Cap
     assert not (folder / "limit").exists()
 
 
+def test_a_limit_holds_only_where_it_could_be_set(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Under a lock that is none the command failed, and what it had written was the limit of the next one."""
+    open_store().put(digest(1), {"x": np.ones(10)})
+    (folder / "lock").unlink()
+    (folder / "lock").mkdir()
+    assert main(["store", "--limit", "5kB"]) == 2
+    assert f"{folder / 'lock'}: cannot be written" in capsys.readouterr().err
+    assert open_store().limit_bytes == 2_000_000_000
+
+
 @pytest.mark.parametrize("said", ["much", "5_0", "-5", "9" * 5000])
 def test_a_limit_that_is_none_does_not_count(folder: Path, said: str) -> None:
     folder.mkdir(parents=True, exist_ok=True)

@@ -19,7 +19,7 @@ from bench.diagnose.plausibility.known_pressure import known_pressures
 from bench.diagnose.plausibility.loads import mistaken_at_rest
 from bench.diagnose.plausibility.mistaken import Mistake, doubt, mistakes_in, turned
 from bench.diagnose.plausibility.mistaken_inputs import Recording, mistaken_joints, mistaken_loads, mistaken_payload
-from bench.diagnose.plausibility.one_run import mistaken_in_one_run
+from bench.diagnose.plausibility.mistaken_run import mistaken_in_one_run
 from bench.diagnose.plausibility.physical_fit import FAR_BETTER, HALF, misfit
 from bench.diagnose.plausibility.single_rows import BEYOND, jumps
 from bench.diagnose.plausibility.slow_clock import slow_clock

@@ -14,7 +14,7 @@ from bench.diagnose.plausibility.faults_of_run import ANGLES, LOADS, Fault, faul
 from bench.diagnose.plausibility.late_channels import SURE
 from bench.diagnose.plausibility.linear_fit import LinearFit, fitted, gain_of
 from bench.diagnose.plausibility.listed_causes import ListedCauses, listed_causes
-from bench.diagnose.plausibility.one_run import EXPLAINED, FAR, OTHERS
+from bench.diagnose.plausibility.one_run import EXPLAINED, FAR
 from bench.diagnose.plausibility.rates import rates_of
 from bench.diagnose.plausibility.words_of_fault import HARDLY, in_words
 from bench.diagnose.replay.instants import at_each_instant, run_of_each
@@ -29,6 +29,7 @@ from bench.store.store import Store
 
 BINS = 30  # effort: of one run at most; enough for one number
 AGAIN = 3  # effort: times that a delay is found, each over the one before
+OTHERS = 3  # declared: runs that an instrument saw, at least, beside the one that is held against them
 CHANCE = 2.0  # declared: standard errors, up to which the largest of a few numbers comes by chance
 MOST_NAMED = 2  # declared: what explains a run as well; more leave nobody the wiser
 LOOK = "look at how that run was recorded"

@@ -1,4 +1,4 @@
-"""One run among others: drive channels and a clock that are not there what they are in all other runs.
+"""One run among others: drives' gains, zeros and a clock that are not there what they are in all other runs.
 
 What every channel of a drive is made of (`first_look.py`) is fitted to all runs but one, and predicts that one. Errors
 of the model are in all of them; where one run is predicted far worse than the model fits any other, and one number
@@ -7,12 +7,16 @@ explains why, it is told:
     scaled   y = f (prediction)                           f: another gain
     moved    y = prediction + f                           f: another zero
     clock    y = rest + friction + f^2 motion + f viscous  f: seconds counted for each second
+
+or none does, and they miss more than half of its mean square.
+
+What the other runs do not determine, a run may have as it likes; and with each of them left out, the rest has to say
+the same.
 """
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import islice
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,140 +24,19 @@ from numpy.typing import NDArray
 from bench.diagnose.plausibility.drive_picture import DrivePicture
 from bench.diagnose.plausibility.first_look import inflation
 from bench.diagnose.plausibility.late_channels import SURE
-from bench.diagnose.plausibility.mistaken import mistakes_in
-from bench.diagnose.plausibility.physical_fit import beyond, completed
+from bench.diagnose.plausibility.physical_fit import HALF
 from bench.diagnose.replay.instants import run_of_each
 from bench.diagnose.replay.segments import Segment
 from bench.record.campaign import Array
 from bench.record.finding import Finding, counted
 
-HOLDS = 2.0  # derived: levels of friction, from one end of what a joint may hold to the other
 FAR = 3.0  # declared: times what the model leaves of any other run, before a run is unlike the others
 EXPLAINED = 2 / 3  # declared: of what a run has that others have not: twice as much as one number leaves
-OTHERS = 3  # declared: runs in which a drive moves, at least, beside the one that is held against them
-SEVERAL = 2  # exact: runs, from which on one is not alone
-NAMED = 3  # effort: runs that a line names
+OTHERS = 2  # exact: runs in which a drive moves, at least, beside the one that is held against them: two agree
 READINGS = 5  # declared: of a drive that moves in a run
 TINY = 1e-18  # rounding: [Nm^2]
+SAME = 1e-6  # rounding: of the size of columns, that one may have beside the others and still be the same
 MOTION, VISCOUS = 0, 3  # exact: columns of what a channel is made of
-
-
-def mistaken_in_one_run(picture: DrivePicture, segments: Sequence[Segment]) -> Iterator[Finding]:
-    """Yield what drives' channels are taken for in one run, by what the nominal model lacks in the others.
-
-    Args:
-        picture: What the drives did.
-        segments: Whose readings these are.
-    """
-    # the model has friction at rest at one of its two levels, that of the approach; a servo that settles takes a motor
-    # back as far as the other one. Over all runs that evens out, in one it does not.
-    picture = replace(picture, slack=np.maximum(picture.slack, HOLDS * picture.level))
-    run_of = run_of_each(segments)
-    runs = list(dict.fromkeys(run_of.tolist()))
-    for finding, alike in _in_several_runs(picture, run_of, runs):
-        yield replace(finding, message=f"{finding.message} in runs {_listed(alike)}, and not in all others")
-        runs = [run for run in runs if run not in alike]
-    while len(runs) > OTHERS:  # the worst first, which then tells nothing of the others
-        others = {run: [other for other in runs if other != run] for run in runs}
-        far = {run: float(np.max(_beside(picture, run_of, run, others[run])[1])) for run in runs}
-        worst = max(far, key=lambda run: far[run])
-        if far[worst] <= FAR:
-            return
-        for finding in _sure(picture, run_of, worst, others[worst]):
-            yield replace(finding, message=f"{finding.message} in run {worst!r}, and not in all others")
-        runs.remove(worst)
-
-
-def _in_several_runs(
-    picture: DrivePicture, run_of: NDArray[np.str_], runs: Sequence[str]
-) -> Iterator[tuple[Finding, tuple[str, ...]]]:
-    """Yield what channels are taken for in several runs alike, and these runs.
-
-    Held against all others one by one, each of them stands among the others that are mistaken, and none is unlike
-    them. So runs that say one mistake of themselves are left out together, with those that say the same beside what is
-    left, where they are fewer than the rest; and each is then held against that rest as a single run is.
-    """
-    suspected: dict[tuple[str, str], list[str]] = defaultdict(list)
-    for run in runs:
-        for finding in mistakes_in(picture.of(run_of == run), of_units=False):
-            suspected[finding.column, finding.message].append(run)
-    for (column, message), themselves in suspected.items():
-        alike, others = list(themselves), [run for run in runs if run not in themselves]
-        while more := [run for run in others if (column, message) in _said(picture, run_of, run, others)]:
-            alike, others = alike + more, [run for run in others if run not in more]
-        if len(alike) < SEVERAL or len(others) <= max(OTHERS, len(alike)):
-            continue
-        others = _alike_among_themselves(picture, run_of, others)
-        held = {
-            run: finding
-            for run in alike
-            for finding in _mistaken(picture, run_of, run, others)
-            if (finding.column, finding.message) == (column, message)
-        }
-        sure = (run for run, finding in held.items() if finding in _sure(picture, run_of, run, others))
-        if len(list(islice(sure, SEVERAL))) == SEVERAL:
-            yield next(iter(held.values())), tuple(held)
-
-
-def _alike_among_themselves(picture: DrivePicture, run_of: NDArray[np.str_], runs: Sequence[str]) -> list[str]:
-    """Return runs without those that are far from what the others make of them, the worst left out first."""
-    left = list(runs)
-    while len(left) > OTHERS:
-        others = {run: [other for other in left if other != run] for run in left}
-        far = {run: float(np.max(_beside(picture, run_of, run, others[run])[1])) for run in left}
-        worst = max(far, key=lambda run: far[run])
-        if far[worst] <= FAR:
-            break
-        left.remove(worst)
-    return left
-
-
-def _said(picture: DrivePicture, run_of: NDArray[np.str_], run: str, others: Sequence[str]) -> set[tuple[str, str]]:
-    """Return columns and messages of what channels are taken for in a run, by all others."""
-    there, _ = _beside(picture, run_of, run, [other for other in others if other != run])
-    return {(finding.column, finding.message) for finding in mistakes_in(there, of_units=False)}
-
-
-def _listed(runs: Sequence[str]) -> str:
-    shown = ", ".join(repr(run) for run in runs[:NAMED])
-    return f"{shown} and {len(runs) - NAMED} more" if len(runs) > NAMED else shown
-
-
-def _sure(picture: DrivePicture, run_of: NDArray[np.str_], run: str, others: Sequence[str]) -> list[Finding]:
-    """Return what channels are taken for in a run, without what one other run alone contradicts."""
-    mistakes = _mistaken(picture, run_of, run, others)
-    for left_out in others if mistakes else ():
-        still = _mistaken(picture, run_of, run, [other for other in others if other != left_out])
-        mistakes = [finding for finding in mistakes if finding in still]
-    return mistakes
-
-
-def _mistaken(picture: DrivePicture, run_of: NDArray[np.str_], run: str, others: Sequence[str]) -> list[Finding]:
-    """Return what channels are taken for in a run, of those that are far from what the others make of them.
-
-    Nothing is told that one reading alone shows: at rest friction may hold more than it did in motion.
-    """
-    there, times = _beside(picture, run_of, run, others)
-    far = {name for name, one in zip(picture.names, times, strict=True) if one > FAR}
-    found = [finding for finding in mistakes_in(there, of_units=False) if finding.column in far]
-    for j, name in enumerate(picture.names):
-        if any(finding.column == name for finding in found):
-            left = np.nan_to_num(beyond(there)[:, j])
-            still = list(mistakes_in(there.of(np.arange(len(left)) != np.argmax(left)), of_units=False))
-            found = [finding for finding in found if finding.column != name or finding in still]
-    return found
-
-
-def _beside(
-    picture: DrivePicture, run_of: NDArray[np.str_], run: str, others: Sequence[str]
-) -> tuple[DrivePicture, Array]:
-    """Return a run beside what others make of it, and how many times as far it is as any of those, shape (n,)."""
-    whole = completed(picture, by=np.isin(run_of, others), zeros=True)
-    left = np.nan_to_num(beyond(whole))
-    here, *there = (np.sqrt(np.mean(left[run_of == one] ** 2, axis=0)) for one in (run, *others))
-    most = np.max(there, axis=0)
-    past = np.where(here > 0, np.inf, 0.0)  # of others that friction at rest explains altogether
-    return whole.of(run_of == run), np.divide(here, most, out=past, where=most > 0)
 
 
 @dataclass(frozen=True)
@@ -161,8 +44,8 @@ class _Unlike:
     """What makes a drive's channel unlike itself in other runs.
 
     Attributes:
-        how: "scaled", "moved" [Nm] or "clock".
-        value: The number.
+        how: "scaled", "moved" [Nm], "clock", or "hardly": no one number explains it.
+        value: The number; of "hardly" the share of its mean square that is missed.
         sigma: Its standard error.
         explained: Of what the run has that others have not.
     """
@@ -175,6 +58,8 @@ class _Unlike:
     @property
     def is_told(self) -> bool:
         """Whether it explains enough, for sure."""
+        if self.how == "hardly":
+            return True
         off = self.value if self.how == "moved" else self.value - 1
         return self.explained > EXPLAINED and abs(off) > SURE * self.sigma and (self.how == "moved" or self.value > 0)
 
@@ -203,6 +88,7 @@ def unlike_other_runs(picture: DrivePicture, segments: Sequence[Segment], at_res
             continue
         for j, one in drives.items():
             words = f"{one.value:.2f} times" if one.how == "scaled" else f"{one.value / picture.unit[j]:+.3g} beside"
+            words = "hardly" if one.how == "hardly" else words
             message = f"is {words} what the other runs make of it in run {run!r}"
             remedy = "look at how that run was recorded, and at its loads"
             yield Finding("warning", "all runs", None, picture.names[j], message, remedy)
@@ -217,13 +103,27 @@ def _of_drive(picture: DrivePicture, j: int, run_of: NDArray[np.str_], at_rest: 
     runs = [name for name in dict.fromkeys(run.tolist()) if (run == name).sum() >= READINGS]
     while len(runs) > OTHERS:
         every = sorted((_held_against(columns, y, run, runs, name) for name in runs), key=lambda found: -found[0])
-        far, worst, unlike = every[0]
-        if far <= FAR:
+        if every[0][0] <= FAR:
             return
-        # nothing is told where another run may be the culprit as well
-        if unlike.is_told and not any(other > 1 and one.is_told for other, _, one in every[1:]):
+        (_, worst, unlike), *rest = every
+        # nothing is told where another run may be the culprit as well; of three runs a culprit is half of what each
+        # other one is held against, so these are looked at without it, too
+        rivals = [(name, one) for far, name, one in rest if far > 1 and one.is_told]
+        if len(runs) == OTHERS + 1:
+            rivals = [(name, one) for name, one in rivals if _is_sure(columns, y, run, runs, name, one)]
+        if not rivals and _is_sure(columns, y, run, runs, worst, unlike):
             yield worst, unlike
         runs.remove(worst)
+
+
+def _is_sure(
+    columns: Array, y: Array, run: NDArray[np.str_], runs: Sequence[str], name: str, unlike: "_Unlike"
+) -> bool:
+    """Return whether a run is unlike all others, and with each of them left out it is so in the same way."""
+    others = [other for other in runs if other != name]
+    without = ([name, *(other for other in others if other != left_out)] for left_out in others)
+    again = (_held_against(columns, y, run, some, name)[2] for some in without)
+    return unlike.is_told and all(one.is_told and one.how == unlike.how for one in again)
 
 
 def _held_against(
@@ -235,14 +135,38 @@ def _held_against(
     scaled = columns / scale
     found = np.linalg.lstsq(scaled[others], y[others])[0]
     left = y - scaled @ found
+    beside = _undetermined(scaled[others], scaled[own])
+    here = float(np.mean(_beyond(beside, left[own]) ** 2))
     most = max(float(np.mean(left[run == one] ** 2)) for one in runs if one != name)
-    far = float(np.sqrt(np.mean(left[own] ** 2) / most)) if most else 0.0
+    far = float(np.sqrt(here / most)) if most else 0.0
     variance = float(np.mean(left[others] ** 2)) * inflation(left[others])
     covariance = variance * np.linalg.pinv(scaled[others].T @ scaled[others])
-    return far, name, _unlike(scaled[own], found, left[own], covariance)
+    unlike = _unlike(scaled[own], found, left[own], covariance, beside)
+    missed = here / max(TINY, *(float(np.mean(y[rows] ** 2)) for rows in (own, others)))
+    return far, name, unlike if unlike.is_told or missed <= HALF else _Unlike("hardly", missed, 0.0, 1.0)
 
 
-def _unlike(columns: Array, found: Array, left: Array, covariance: Array) -> _Unlike:
+def _undetermined(others: Array, own: Array) -> Array:
+    """Return a basis of what a run may have that other runs do not determine, shape (T, m).
+
+    Where a drive turned one way alone, nobody knows its friction from its zero, nor what it has the other way.
+
+    Args:
+        others: What the channel is made of in the other runs, shape (t, k).
+        own: The same of the run, shape (T, k).
+    """
+    _, sizes, directions = np.linalg.svd(np.linalg.qr(others, mode="r"))
+    free = own @ directions[np.count_nonzero(sizes > SAME * sizes[0]) :].T
+    basis, sizes, _ = np.linalg.svd(free, full_matrices=False)
+    return basis[:, sizes > SAME * np.linalg.norm(own)]
+
+
+def _beyond(basis: Array, values: Array) -> Array:
+    """Return what values, shape (T,) or (T, k), have beside an orthonormal basis, shape (T, m)."""
+    return values - basis @ (basis.T @ values)
+
+
+def _unlike(columns: Array, found: Array, left: Array, covariance: Array, beside: Array) -> _Unlike:
     """Return the number that explains most of what is left of a run.
 
     Args:
@@ -250,15 +174,17 @@ def _unlike(columns: Array, found: Array, left: Array, covariance: Array) -> _Un
         found: Their coefficients by the other runs, shape (k,).
         left: Shape (T,).
         covariance: Of the coefficients, shape (k, k).
+        beside: What the run may have in any case, from `_undetermined`.
     """
+    columns, left, one = (_beyond(beside, values) for values in (columns, left, np.ones(len(left))))
     expected = columns @ found
     motion, viscous = (columns[:, k] * found[k] for k in (MOTION, VISCOUS))
     clock = _clock(motion, viscous, left + motion + viscous)
     factor = 1 + float(expected @ left) / max(float(expected @ expected), TINY)
-    shift = float(np.mean(left))
+    shift = float(one @ left) / max(float(one @ one), TINY)
     tried = {  # what it adds, and by how much more with the number
         "scaled": (factor, (factor - 1) * expected, expected),
-        "moved": (shift, np.full(len(left), shift), np.ones(len(left))),
+        "moved": (shift, shift * one, one),
         "clock": (clock, (clock**2 - 1) * motion + (clock - 1) * viscous, 2 * clock * motion + viscous),
     }
     every = []

@@ -13,6 +13,7 @@ from bench.record.rules.clock import counts_by_one
 from bench.record.rules.copies import read_for_themselves
 from bench.record.rules.out_of_line import places_in_line
 from bench.record.rules.repeated_runs import no_run_twice
+from bench.record.rules.shared_rows import no_rows_twice
 from bench.record.rules.sheet import TRAVEL, Sheet
 from bench.record.rules.weights import weights_are_masses
 
@@ -30,6 +31,7 @@ def examine_session(sheets: Sequence[Sheet]) -> list[Finding]:
         *no_overlap(sheets),
         *no_row_numbers(sheets),
         *no_run_twice(sheets),
+        *no_rows_twice(sheets),
         *read_for_themselves(sheets),
         *approach_is_felt(sheets),
         *weights_are_masses(sheets),
