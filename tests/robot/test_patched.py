@@ -34,15 +34,10 @@ AGREEMENT = 1e-12  # relative, of numbers and of forces: rounding of derived num
 LATER = 3600.0  # [s], after all that sets in
 PAYLOAD = 12.0  # [kg]
 NODES = np.array([-0.5, 0.0, 0.5])  # [rad]
-COMPLIANCE = LearnedCompliance(values_at(NODES, "rad", "", 0.3), NODES)
+OTHERS = (AnotherPayload(), LearnedCompliance(values_at(NODES, "rad", "", 0.3), NODES))
 EFFECTS = {
     name: effect
-    for name, effect in {
-        **catalogue(),
-        **unlisted(),
-        AnotherPayload.name: AnotherPayload(),
-        COMPLIANCE.name: COMPLIANCE,
-    }.items()
+    for name, effect in {**catalogue(), **unlisted(), **{one.name: one for one in OTHERS}}.items()
     if type(effect).edit is not Effect.edit
 }
 ROBOTS = ("small", "hh150", "kr300", "emps")
