@@ -7,9 +7,10 @@ from bench.actuators.laws import TorqueTable
 from bench.effects.conditions import Conditions
 from bench.effects.effect import Array, Parameter, Place, Values
 from bench.effects.friction_elements import DRAG, Side, coulomb, element_name, give_side, set_coulomb
+from bench.effects.gear_kinematics import table_range
 from bench.effects.learned import Learned
 from bench.effects.places import drive_of
-from bench.effects.plugin_actuators import add_torque_table
+from bench.effects.plugin_actuators import add_fixed_tendon, add_torque_table
 from bench.robot.compiled import SpecEdit
 from bench.robot.figures import Drive
 from bench.robot.folder import Robot
@@ -17,8 +18,10 @@ from bench.robot.plugins import attributes_of, number_of
 
 LEAST_SPACING = 0.1  # effort: of the largest speed; nodes that lie closer would make a polynomial swing
 MOST_COEFFICIENTS = 1 + len(DRAG)  # exact: a friction level, and these
+LEAST_COMPLIANCE = 0.1  # rounding: of the stated one: however far a fit tries, a gear that gives stays one
 STEEPEST = 2.5  # assumed: times the stiffness of the element; a gear error that stiffens it more is smoothed
 KNOTS = 241  # rounding: of a table along an element
+ANGLE_KNOTS = 1001  # rounding: of a table over an angle that is even between them: 30 between two of 33 nodes
 
 
 class _Nodes(Learned):
@@ -204,6 +207,42 @@ class LearnedTorsion(_Nodes):
             add_torque_table(spec, f"{self.name} {drive.element}", law, tendon=drive.element)
 
         return change if np.any(error) else None
+
+
+class LearnedCompliance(_Nodes):
+    """A gear that gives more or less over the angle."""
+
+    name = "learned_compliance"
+    title = "compliance of the gear over the angle, as learned"
+    physics = (
+        "The element gives by tau (1 + x(angle))/k. With y = x/(1 + x) it has k y u^2/2 less energy at the torsion u, "
+        "which is G(theta + u) + G(theta - u) - 2 G(theta) with G'' = k y/2, to third order of u: three torque tables, "
+        "of the rotor, of a tendon 2 theta - q and of the link."
+    )
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        change = self.sizes(values)
+
+        def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
+            drive = drive_of(robot, place)
+            angle = np.linspace(*table_range(spec, drive.joint), ANGLE_KNOTS)
+            more = np.interp(angle, self.nodes, np.maximum(change, LEAST_COMPLIANCE - 1))
+            slope = _stiffness(spec, drive) * more / (1 + more) / 2
+            torque = np.concatenate([np.zeros(1), np.cumsum((slope[1:] + slope[:-1]) / 2 * np.diff(angle))])
+            mirrored = f"{self.name} {drive.element}"
+            tendon = add_fixed_tendon(spec, mirrored, {drive.joint: 2.0, drive.rotor: -1.0})
+            one, two = (_table(angle, factor * torque) for factor in (1.0, -2.0))
+            add_torque_table(spec, f"{self.name} {drive.rotor}", one, joint=drive.rotor)
+            add_torque_table(spec, mirrored, one, tendon=tendon)
+            add_torque_table(spec, f"{self.name} {drive.joint}", two, joint=drive.joint)
+
+        return edit if np.any(change) else None
+
+
+def _table(angle: Array, torque: Array) -> TorqueTable:
+    """Return a conservative torque, shape (k,), at equally spaced angles, shape (k,)."""
+    values = tuple(torque.tolist())
+    return TorqueTable(angle_min=float(angle[0]), angle_max=float(angle[-1]), forward=values, backward=values)
 
 
 def _polynomial(nodes: Array, values: Array) -> list[float]:

@@ -15,6 +15,21 @@ def add_torque_table(
     _add(spec, name, "bench.torque_table", config(law), joint, tendon)
 
 
+def add_fixed_tendon(spec: mujoco.MjSpec, name: str, coefficients: Mapping[str, float]) -> str:
+    """Add a tendon over joints that has neither stiffness nor damping, and return its name.
+
+    Args:
+        spec: To which it is added.
+        name: What it is called, if nothing is called so.
+        coefficients: Joint -> length of the tendon over its angle.
+    """
+    full = unused_name(spec, name)
+    tendon = spec.add_tendon(name=full)
+    for joint, coefficient in coefficients.items():
+        tendon.wrap_joint(joint, coefficient)
+    return full
+
+
 def add_friction(
     spec: mujoco.MjSpec, name: str, law: Friction, *, joint: str | None = None, tendon: str | None = None
 ) -> None:

@@ -84,7 +84,10 @@ class CompiledRobot:
 
     @property
     def has_plain_elements(self) -> bool:
-        """Whether each elastic element is a linear spring between one rotor and one link, with nothing beside it."""
+        """Whether each elastic element is a linear spring between one rotor and one link, with nothing beside it.
+
+        What pulls on a rotor and a link at once, along the element or another tendon, is beside it.
+        """
         model, element = self.model, self.at.element
         rest = model.tendon_lengthspring[element]
         acted_on = model.actuator_trnid[model.actuator_trntype == mujoco.mjtTrn.mjTRN_TENDON, 0]
@@ -93,8 +96,16 @@ class CompiledRobot:
             or np.any(rest[:, 0] != rest[:, 1])
             or np.any(model.tendon_plasticadr[element] >= 0)
             or np.any(model.tendon_num[element] != 2)
-            or np.any(np.isin(element, acted_on))
+            or any(self._joins(tendon) for tendon in acted_on.tolist())
         )
+
+    def _joins(self, tendon: int) -> bool:
+        """Whether a tendon runs over a rotor and a link."""
+        model, start = self.model, int(self.model.tendon_adr[tendon])
+        along = slice(start, start + int(model.tendon_num[tendon]))
+        joints = model.wrap_objid[along][model.wrap_type[along] == mujoco.mjtWrap.mjWRAP_JOINT]
+        dofs = model.jnt_dofadr[joints]
+        return bool(np.any(np.isin(dofs, self.at.theta_dof)) and np.any(np.isin(dofs, self.at.q_dof)))
 
     @property
     def is_slide(self) -> tuple[bool, ...]:

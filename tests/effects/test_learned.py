@@ -13,6 +13,7 @@ from bench.effects.friction_elements import Side
 from bench.effects.learned import Learned, values_at, values_of
 from bench.effects.learned_readings import LearnedDrift, LearnedLoss, LearnedMount, LearnedRoom, LearnedScale
 from bench.effects.learned_torques import (
+    LearnedCompliance,
     LearnedDrag,
     LearnedFriction,
     LearnedGearError,
@@ -27,6 +28,7 @@ from tests.effects.rest import perfect_reading, rest, some_trace, sweep
 
 SECOND = Place("joint", 1, "joint_2")
 NODES = np.array([-0.4, 0.0, 0.4])
+LOAD = np.array([0.0, 0.0, -300.0, 0.0, 0.0, 0.0])  # [N], hangs at the load point
 SAG = 0.3  # [Nm]; links sag a little more, and gravity with them
 TAIL = slice(1500, None)  # steps after which all elements slide
 SIDES: tuple[Side, Side] = ("link", "motor")
@@ -50,7 +52,7 @@ def paid(robot: Robot, edits: list, speed: float, start: float = -0.2, periods: 
 
 
 def test_null_changes_nothing() -> None:
-    for kind in (LearnedTorque, LearnedFriction, LearnedDrag, LearnedGearError, LearnedTorsion):
+    for kind in (LearnedTorque, LearnedFriction, LearnedDrag, LearnedGearError, LearnedTorsion, LearnedCompliance):
         effect = kind(*nodes())
         assert effect.edit(SECOND, effect.complete({}), Conditions.reference(2)) is None
 
@@ -154,6 +156,21 @@ def test_torsion_turns_the_link_by_the_load(small: Robot, small_compiled: Compil
         edit = edit_of(LearnedTorsion(*nodes("rad", at)), sizes)
         turned = rest(small, [edit], q).theta - rest(small, [], q).theta
         np.testing.assert_allclose(turned, [0.0, sizes[1]], atol=2e-6)
+
+
+def test_a_gear_gives_more_or_less_over_the_angle(small: Robot, small_compiled: CompiledRobot) -> None:
+    sizes = (0.5, -0.3, -0.3)
+    edit = edit_of(LearnedCompliance(*nodes("")), sizes)
+    assert small_compiled.has_plain_elements
+    assert not compile_robot(small, [edit]).has_plain_elements
+    for angle in (-0.4, -0.2, 0.0, 0.3):
+        q = np.array([0.1, angle])
+        with_it, without = rest(small, [edit], q, LOAD), rest(small, [], q, LOAD)
+        torsion = (without.theta - q)[1]
+        more = float(np.interp(with_it.theta[1], NODES, sizes)) * torsion
+        # where stiffness changes with the angle, a spring pulls towards where it is soft: k' u^2/2 beside k u
+        np.testing.assert_allclose(with_it.theta - without.theta, [0.0, more], atol=0.004 * torsion)
+        np.testing.assert_allclose(with_it.torque, without.torque, atol=1.0)
 
 
 def test_readings(small: Robot, small_compiled: CompiledRobot, rng: np.random.Generator) -> None:

@@ -16,6 +16,8 @@ import bench.robot.patched as patched_module
 from bench.effects.catalogue import catalogue
 from bench.effects.conditions import Conditions
 from bench.effects.effect import Effect, Place
+from bench.effects.learned import values_at
+from bench.effects.learned_torques import LearnedCompliance
 from bench.effects.nominal import nominal_parameters
 from bench.effects.unlisted import unlisted
 from bench.errors import RobotError
@@ -31,9 +33,11 @@ from tests.effects.rest import places_of
 AGREEMENT = 1e-12  # relative, of numbers and of forces: rounding of derived numbers
 LATER = 3600.0  # [s], after all that sets in
 PAYLOAD = 12.0  # [kg]
+NODES = np.array([-0.5, 0.0, 0.5])  # [rad]
+OTHERS = (AnotherPayload(), LearnedCompliance(values_at(NODES, "rad", "", 0.3), NODES))
 EFFECTS = {
     name: effect
-    for name, effect in {**catalogue(), **unlisted(), AnotherPayload.name: AnotherPayload()}.items()
+    for name, effect in {**catalogue(), **unlisted(), **{one.name: one for one in OTHERS}}.items()
     if type(effect).edit is not Effect.edit
 }
 ROBOTS = ("small", "hh150", "kr300", "emps")

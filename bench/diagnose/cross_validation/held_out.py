@@ -57,6 +57,7 @@ class ChannelGain:
         over_better: 1 - after / min(before, nominal): the gain over the better of the two, for a model whose figures
             were bent by the other runs may predict a run worse than the nominal one does.
         over_better_low, over_better_high: 90 % interval of it.
+        readings: How many are compared.
     """
 
     channel: str
@@ -72,6 +73,12 @@ class ChannelGain:
     over_better: float
     over_better_low: float
     over_better_high: float
+    readings: int
+
+    @property
+    def lost(self) -> float:
+        """Log probability that its readings lose for sure [nats], at the upper end of the interval of the gain."""
+        return max((1 - self.high) ** 2 - 1, 0.0) * self.readings * (self.before / self.floor) ** 2 / 2
 
 
 @dataclass(frozen=True)
@@ -219,6 +226,7 @@ def _channels(
                 over_better=over_better,
                 over_better_low=float(better_low),
                 over_better_high=float(better_high),
+                readings=int(np.count_nonzero(seen)),
             )
         )
     return tuple(found)

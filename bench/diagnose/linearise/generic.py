@@ -1,4 +1,4 @@
-"""What nobody listed: torques, gear errors and sensor errors as free functions of angle, direction, speed, load.
+"""What nobody listed: torques, gear and sensor errors, compliance as free functions of angle, direction, speed, load.
 
 Each block is one place and one dependence with a handful of free coefficients. If a block explains what the catalogue
 cannot, the cause is unlisted, and the block says where it acts, on what it depends, and how it runs.
@@ -19,6 +19,7 @@ from bench.effects.masses import TorqueOffset
 from bench.effects.places import HEAVY_TORQUE
 from bench.effects.sensing_bench import TrackerFrame
 from bench.effects.sensing_drive import TorqueConstant
+from bench.effects.transmission import JointCompliance
 from bench.record.campaign import Array
 from bench.record.moving import TRAVELS
 from bench.simulate.instruments import HOUR
@@ -38,6 +39,8 @@ TORQUE_SHARE = TorqueOffset.parameters[0].high / HEAVY_TORQUE / 3**0.5
 READING_SHARE = TorqueConstant.parameters[0].high / 3**0.5
 # derived: [rad], plausible size of an unlisted error of a gear: a listed transmission error
 GEAR_ANGLE = TransmissionError.parameters[0].high / 3**0.5
+# derived: plausible size of an unlisted compliance of a gear, of the stated one: a listed change of it
+COMPLIANCE = JointCompliance.parameters[0].high / 3**0.5
 # derived: [m], plausible size of an unlisted error of the tracker over its room, in an hour, under force: a listed
 # shift of its frame
 TRACKER_ERROR = TrackerFrame.parameters[0].high / 3**0.5
@@ -51,7 +54,7 @@ class Block:
 
     Attributes:
         place: "joint 2", "drive 3", "tracker", "reflector 1", "gauge".
-        kind: "link torque", "motor torque", "gear angle", "reading".
+        kind: "link torque", "motor torque", "gear angle", "compliance" (of the gear, relative), "reading".
         depends_on: "angle", "angle and direction", "speed", "load", "place", "time", "force".
         drive: Index of the drive, or -1.
         reflector: Index of the reflector, or -1.
@@ -180,26 +183,30 @@ def _shapes(linear: LinearisedModel, angle_nodes: int, *finer: int) -> Iterator[
         gear = link[:, :, j] * stiffness[j]
         gear[:, [q.is_drive for q in linear.quantities]] = 0.0
         torque = TORQUE_SHARE * float(np.max(np.abs(trace.motor_torque[:, j])))
+        # a gear that gives x more under the torque that it transmits turns the link x/k times that less far
+        gives = gear * (-transmitted / stiffness[j])[:, None]
         for kind, unit, prior, response in (
             ("link torque", "Nm", torque, link[:, :, j]),
             ("motor torque", "Nm", torque, motor[:, :, j]),
             ("gear angle", "rad", GEAR_ANGLE, gear),
+            ("compliance", "", COMPLIANCE, gives),
         ):
+            is_torque = unit == "Nm"
             if not np.any(response):
                 continue
             if np.ptp(angle) > TRAVELS:
-                counts = (angle_nodes,) if kind == "gear angle" else (angle_nodes, *finer)
+                counts = (angle_nodes, *finer) if is_torque else (angle_nodes,)
                 for nodes in (np.linspace(np.min(angle), np.max(angle), count) for count in counts):
                     table = hats(angle, nodes)
                     yield Block(place, kind, "angle", j, unit, nodes, prior), response[:, :, None] * table[:, None, :]
-                if kind != "gear angle" and np.any(way > 0) and np.any(way < 0):
+                if is_torque and np.any(way > 0) and np.any(way < 0):
                     nodes = np.linspace(np.min(angle), np.max(angle), angle_nodes)
                     directed = hats(angle, nodes) * way[:, None]
                     yield (
                         Block(place, kind, "angle and direction", j, unit, nodes, prior),
                         response[:, :, None] * directed[:, None, :],
                     )
-            if kind != "gear angle" and np.any(moves):
+            if is_torque and np.any(moves):
                 fast = speed[moves]
                 if np.min(fast) < (1 - LEAST_SPACING) * np.max(fast):
                     nodes = LearnedDrag.speeds(np.quantile(fast, np.linspace(0.02, 1, SPEED_NODES)))
@@ -214,7 +221,7 @@ def _shapes(linear: LinearisedModel, angle_nodes: int, *finer: int) -> Iterator[
                 table = hats(transmitted, nodes)
                 if kind == "gear angle":
                     yield Block(place, kind, "load", j, unit, nodes, prior), response[:, :, None] * table[:, None, :]
-                elif np.any(moves):
+                elif is_torque and np.any(moves):
                     directed = table * way[:, None]
                     yield Block(place, kind, "load", j, unit, nodes, prior), response[:, :, None] * directed[:, None, :]
     yield from _sensors(linear, trace)

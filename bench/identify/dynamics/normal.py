@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import solve_triangular
 
 from bench.identify.dynamics.prior import AS_STATED, Prior, Widths
 from bench.identify.dynamics.rows import DriveRows
@@ -104,9 +105,11 @@ def evidence_gain(normal: Normal, prior: Prior, before: Widths, after: Widths, r
 def _evidence(normal: Normal, prior: Prior, widths: Widths) -> tuple[float, float]:
     """Return the weighted squares that a prior lets parameters explain, and half its log det H."""
     factor = prior.factor(widths)
-    inner = np.eye(len(factor)) + factor.T @ normal.gram @ factor
+    factor = factor[:, np.any(factor, axis=0)]  # what is not free adds nothing to either
+    inner = np.eye(factor.shape[1]) + factor.T @ normal.gram @ factor
     lower = np.linalg.cholesky((inner + inner.T) / 2)
-    explained = np.linalg.solve(lower, factor.T @ (normal.right - normal.gram @ prior.mean))
+    right = factor.T @ (normal.right - normal.gram @ prior.mean)
+    explained = solve_triangular(lower, right, lower=True, check_finite=False)
     return float(explained @ explained), float(np.log(np.diag(lower)).sum())
 
 

@@ -164,13 +164,14 @@ class Prior:
 
     def factor(self, widths: Widths) -> Array:
         """Return L, shape (p, p)."""
-        offset, optional = (
-            np.tensordot([0.0 if width == NONE else WIDER ** float(width) for width in each], part, axes=1)
-            for each, part in ((widths.offset, self.offset), (widths.optional, self.optional))
-        )
         stated = WIDER**widths.figures * self.figures + WIDER**widths.friction * self.friction
-        stated = stated + WIDER**widths.stated_offset * self.stated_offset + WIDER ** float(widths.scale) * self.scale
-        return np.asarray(stated + offset + optional + self.free)
+        found = stated + WIDER**widths.stated_offset * self.stated_offset + WIDER ** float(widths.scale) * self.scale
+        found += self.free
+        for each, parts in ((widths.offset, self.offset), (widths.optional, self.optional)):
+            for width, part in zip(each, parts, strict=True):
+                if width != NONE:  # most of what is optional is not there
+                    found += WIDER ** float(width) * part
+        return np.asarray(found)
 
     def covariance(self, widths: Widths) -> Array:
         """Return the covariance before the data, shape (p, p), with any width of offsets and of what is optional.

@@ -9,6 +9,7 @@ from scipy.interpolate import CubicSpline
 
 from bench.identify.arm import Arm
 from bench.identify.dynamics.band import Band, low_pass
+from bench.identify.dynamics.curves import Curves
 from bench.identify.dynamics.equations import DRIVE_COLUMNS, GAS_SHAPE, Equations
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.regressor import N_INERTIAL, payload_columns
@@ -26,7 +27,7 @@ class DriveRows:
         constant: Shape (R, q), factors of the parameters; those of the gain are zero.
         gas: Which columns are errors of the gas law's shape, per unit of gas amount; empty without gas.
         known: Shape (R,) [Nm], torque for the known load.
-        torque: For each stretch a curve of the filtered torque, and the times of its rows [s].
+        torque: Filtered torque of each stretch, as curves that the rows read [Nm].
         segment: Shape (R,), number of the uninterrupted piece of motion that a row belongs to.
         stretch: Shape (R,), index of its stretch.
         instant: Shape (R,), index of its thinned instant in the stretch.
@@ -37,7 +38,7 @@ class DriveRows:
     constant: Array
     gas: slice
     known: Array
-    torque: tuple[tuple[CubicSpline, Array], ...]
+    torque: Curves
     segment: NDArray[np.int64]
     stretch: NDArray[np.int64]
     instant: NDArray[np.int64]
@@ -47,7 +48,7 @@ class DriveRows:
 
     def response(self, delay: float) -> Array:
         """Return the torque that the parameters explain, shape (R,) [Nm], read `delay` [s] later than the angles."""
-        return np.concatenate([curve(time + delay) for curve, time in self.torque]) - self.known
+        return self.torque.at(delay) - self.known
 
     def model(self, parameters: Array) -> Array:
         """Return the torque that parameters, shape (p,), predict, gain included and known load not, shape (R,)."""
@@ -107,7 +108,10 @@ def drive_rows(
         constant=np.vstack(tables),
         gas=slice(shape, shape + len(GAS_SHAPE)) if has_gas else slice(0, 0),
         known=np.concatenate([part.known[rows, drive] for part, rows in zip(equations, used, strict=True)]),
-        torque=tuple((_curve(part, drive, band), part.time[rows]) for part, rows in zip(equations, used, strict=True)),
+        torque=Curves.of(
+            [_curve(part, drive, band) for part in equations],
+            [part.time[rows] for part, rows in zip(equations, used, strict=True)],
+        ),
         segment=np.concatenate(segments).astype(np.int64),
         stretch=np.repeat(np.arange(len(used)), [len(rows) for rows in used]),
         instant=np.concatenate(used),

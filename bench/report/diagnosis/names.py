@@ -39,6 +39,7 @@ ACTS = {
     "link torque": "a torque on the link of {place}",
     "motor torque": "a torque on the motor of {place}",
     "gear angle": "an error of the gear of {place}",
+    "compliance": "a compliance of the gear of {place}",
     "reading": "an error of the readings of {place}",
 }
 UNTOLD = "these data do not tell it"  # of a parameter of which its prior says more than they do

@@ -81,6 +81,10 @@ class SpecOverlay:
         """Note an actuator that is added."""
         return self.add(Add("actuator", name), values)
 
+    def add_tendon(self, *, name: str, **values: Any) -> Part:
+        """Note a tendon that is added."""
+        return self.add(Add("tendon", name), values)
+
     def add(self, operation: Add, values: Mapping[str, Any]) -> Part:
         """Note a part that is added, with values of its attributes, and return it."""
         names, blank = self._names[operation.kind], self._below.blank(operation)
@@ -99,7 +103,8 @@ class SpecOverlay:
 
     def wrap(self, tendon: Handle, joint: str, coefficient: float) -> None:
         """Note a joint that a fixed tendon runs over, too."""
-        index = self._wraps.get(tendon, self._below.wraps(tendon))
+        first = 0 if tendon in self._blanks else self._below.wraps(tendon)
+        index = self._wraps.get(tendon, first)
         self._journal.put(self._wraps, tendon, index + 1)
         self._journal.append(self.operations, Wrap(tendon, joint))
         self._journal.put(self.numbers, (tendon, f"wrap {index}"), (index, coefficient))

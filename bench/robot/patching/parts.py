@@ -76,6 +76,8 @@ class Add(NamedTuple):
             added = spec.add_plugin(name=self.name, plugin_name=self.plugin)
         elif self.kind == "actuator":
             added = spec.add_actuator(name=self.name)
+        elif self.kind == "tendon":
+            added = spec.add_tendon(name=self.name)
         else:
             assert self.parent
             body = parts[self.parent]

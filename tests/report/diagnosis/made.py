@@ -67,6 +67,7 @@ STEP_GAIN = ChannelGain(
     over_better=0.8,
     over_better_low=0.742,
     over_better_high=0.855,
+    readings=400,
 )
 NO_GAIN = ChannelGain(
     channel="reflector_1_z_m",
@@ -82,8 +83,9 @@ NO_GAIN = ChannelGain(
     over_better=-0.0142,
     over_better_low=-0.05,
     over_better_high=0.021,
+    readings=400,
 )
-UNKNOWN_GAIN = ChannelGain("reflector_1_x_m", "m", *[float("nan")] * 11)
+UNKNOWN_GAIN = ChannelGain("reflector_1_x_m", "m", *[float("nan")] * 11, 0)
 NOTHING = Verdict(
     kind="nothing found",
     false_alarm_rate=0.01,
