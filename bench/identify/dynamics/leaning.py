@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.identify.arm import Arm
 from bench.identify.dynamics.found import FirstPass
@@ -52,7 +51,7 @@ def leaning_of(found: FirstPass) -> Leaning | None:
     across = size * np.linalg.svd(gravity[None, :])[2][1:]
     every = _weights(found, across)
     drives = [one for one in solution.drives if one.weight > 0 and len(one.rows)]
-    columns = [np.concatenate([every[k][i, one.rows.drive] for k, i in _instants(one)]) for one in drives]
+    columns = [_of_rows(one, every) for one in drives]
     left = [one.rows.response(solution.delay) - one.rows.model(solution.parameters) for one in drives]
     before = np.array([np.sum(rest**2) for rest in left])
     pull = _asked(drives, left, found.layout.size)  # of the prior, which what is left of the data balances
@@ -100,6 +99,7 @@ def _asked(drives: Sequence[Weighed], left: Sequence[Array], size: int) -> Array
     return asked
 
 
-def _instants(one: Weighed) -> list[tuple[int, NDArray[np.int64]]]:
-    """Return for each stretch its index, and its instants that are rows of a drive."""
-    return [(k, one.rows.instant[one.rows.stretch == k]) for k in range(len(one.rows.torque))]
+def _of_rows(one: Weighed, every: Sequence[Array]) -> Array:
+    """Return what the links weigh at the rows of a drive, shape (R, 2) [Nm]."""
+    rows = one.rows
+    return np.concatenate([part[rows.instant[rows.stretch == k], rows.drive] for k, part in enumerate(every)])
