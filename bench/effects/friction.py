@@ -120,9 +120,14 @@ class FrictionSide(WithCoulomb):
     )
 
     def parameters_at(self, compiled: CompiledRobot, place: Place) -> tuple[Parameter, ...]:
-        """Return the share with its range: no more than a side has; a typical one moves to the link side."""
+        """Return the share with its range: no more than a side has; a typical one moves to the link side.
+
+        Where the motor has no friction in the file, nobody knows what it has, and all may be on either side.
+        """
         (moved,) = self.parameters
         levels = np.array([compiled.motor_coulomb[place.index], compiled.link_coulomb[place.index]])
+        if not levels[0] > 0:
+            return (moved,)
         motor, link = np.round(levels / np.sum(levels), DIGITS).tolist()
         high = max(motor, link)
         return (replace(moved, low=moved.low * motor**2 / high, high=high, least=-link, most=motor),)

@@ -1,12 +1,14 @@
 """Effects of drive friction: torques of the friction elements in sliding, against their closed forms."""
 
+import mujoco
 import numpy as np
 import pytest
 
 from bench.effects.conditions import Conditions
+from bench.effects.friction_elements import coulomb, set_coulomb
 from bench.effects.lubricant import viscous
 from bench.effects.nominal import nominal_parameters
-from bench.effects.places import torque_limit
+from bench.effects.places import drive_of, torque_limit
 from bench.errors import RobotError
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.edits import friction_on
@@ -196,6 +198,23 @@ def test_no_more_moves_than_a_side_has(hh150: Robot, hh150_compiled: CompiledRob
             there = getattr(hh150_compiled, side)[place.index]
             assert getattr(changed, side)[place.index] == pytest.approx(0.0, abs=ROUNDED * there)
         assert moved.null < moved.typical < moved.most
+
+
+@pytest.mark.parametrize("link", [0.0, 1.0])
+def test_where_a_file_has_no_friction_at_the_motor_all_may_move(
+    hh150: Robot, hh150_compiled: CompiledRobot, link: float
+) -> None:
+    """What a search found friction in has a place, and the file that says what is plausible has none: it was nan."""
+
+    def without(spec: mujoco.MjSpec, robot: Robot) -> None:
+        drive = drive_of(robot, CATALOGUE["friction_side"].places(hh150_compiled)[1])
+        set_coulomb(spec, drive, "motor", 0.0)
+        set_coulomb(spec, drive, "link", link * coulomb(spec, drive, "link"))
+
+    effect, bare = CATALOGUE["friction_side"], compile_robot(hh150, [without])
+    place = effect.places(hh150_compiled)[1]
+    (moved,) = effect.parameters_at(bare, place)
+    assert moved.null < moved.low < moved.typical < moved.high
 
 
 def test_viscous(hh150: Robot, hh150_compiled: CompiledRobot) -> None:
