@@ -129,7 +129,7 @@ class FrictionSide(WithCoulomb):
         if not levels[0] > 0:
             return (moved,)
         motor, link = np.round(levels / np.sum(levels), DIGITS).tolist()
-        high = max(motor, link)
+        high = max(motor, link)  # and `low` such that a typical move is as large a share of the motor's as of all above
         return (replace(moved, low=moved.low * motor**2 / high, high=high, least=-link, most=motor),)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:

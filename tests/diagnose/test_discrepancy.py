@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from bench.diagnose.conclude import verdict_of
-from bench.diagnose.cross_validation.held_out import HeldOut, held_out
+from bench.diagnose.cross_validation.held_out import NOTICEABLE, HeldOut, held_out
 from bench.diagnose.diagnose import Diagnosis, diagnose
 from bench.diagnose.linearise.generic import ANGLE_NODES, Block, blocks_of
 from bench.diagnose.name import discrepancy as discrepancies
@@ -170,6 +170,25 @@ def test_a_shape_that_predicts_a_channel_worse_is_not_handed_over(case: Case, mo
     assert learn(naming.linear, shape, beside).is_gain
     monkeypatch.setattr(discrepancies, "held_out", with_a_worse_channel)
     assert not learn(naming.linear, shape, beside).is_gain
+
+
+@pytest.mark.parametrize(("times", "is_gain"), [(0.5, True), (2.0, False)])
+def test_a_channel_has_to_lose_more_than_what_is_noticeable(
+    case: Case, monkeypatch: pytest.MonkeyPatch, times: float, is_gain: bool
+) -> None:
+    """One of sixteen that got worse by 0.01 % for sure refused a shape by which another became seven times better."""
+
+    def with_a_worse_channel(*args: Any) -> HeldOut:
+        gain = held_out(*args)
+        last = gain.channels[-1]
+        squares = 1 + 2 * times * NOTICEABLE * (last.floor / last.before) ** 2 / last.readings
+        return replace(gain, channels=(*gain.channels[:-1], replace(last, low=-0.4, high=1 - squares**0.5)))
+
+    naming = case.found.naming
+    shape = naming.unlisted
+    assert shape
+    monkeypatch.setattr(discrepancies, "held_out", with_a_worse_channel)
+    assert learn(naming.linear, shape, naming.models[0].listed_fit(naming.linear)).is_gain is is_gain
 
 
 def _block(naming: Naming, *what: str) -> Block:

@@ -5,10 +5,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from bench.diagnose.cross_validation.floor import floor_variance
 from bench.diagnose.cross_validation.held_out import RecordingGain, held_out
 from tests.diagnose.made_runs import LENGTH, SIGMA, UNKNOWN, design_with, fit_of, in_recordings, noise, sensitivities
+from tests.report.diagnosis import made
 
 
 def test_a_recording_that_denies_a_finding_is_named(rng: np.random.Generator) -> None:
@@ -146,3 +148,12 @@ def test_raised_errors_do_not_raise_the_floor(rng: np.random.Generator) -> None:
         inflation=np.full((2, 1), 2.0),
     )
     np.testing.assert_allclose(floor_variance(heavier), floor_variance(linear))
+
+
+def test_what_a_channel_loses_is_log_probability(rng: np.random.Generator) -> None:
+    before, after = rng.standard_normal((2, LENGTH)) * [[1.3], [1.5]]
+    left, more = (float(np.sqrt(np.mean(one**2))) for one in (before, after))
+    one = replace(made.STEP_GAIN, before=2e-3 * left, floor=2e-3, high=1 - more / left, readings=LENGTH)
+    lost = float(np.sum(norm.logpdf(before) - norm.logpdf(after)))
+    assert one.lost == pytest.approx(lost)
+    assert replace(one, high=1 - left / more).lost == 0.0
