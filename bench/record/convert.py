@@ -86,6 +86,7 @@ def convert(source: Path, layout: LogFormat, robot: str, arm: Arm | None = None)
         if log is None:
             continue
         unused[file.name] = log.unused
+        warnings += log.warnings
         clock = log.columns.get("time_s", np.empty(0))
         if layout.resample and (message := layout.resample.invented(clock)):
             warnings.append(Finding("warning", file.name, None, "", *message))

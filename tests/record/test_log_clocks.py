@@ -77,6 +77,56 @@ def test_another_table_with_its_own_clock(tmp_path: Path) -> None:
         convert(tmp_path, form, "mine")
 
 
+@pytest.mark.parametrize(("factor", "unit"), [(1e-3, ""), (1.0, "milliseconds"), (1e3, "microseconds")])
+def test_another_table_whose_clock_has_a_finer_unit_is_told(tmp_path: Path, factor: float, unit: str) -> None:
+    """In milliseconds its first rows were spread over the whole log, without a word."""
+    log(tmp_path, "a.csv", "t,q\n" + "".join(f"{k * 0.004:.3f},{k * 1e-3:.4f}\n" for k in range(500)))
+    log(tmp_path, "a_force.csv", "ms,fz\n" + "".join(f"{20 * k - 30},{k}\n" for k in range(105)))
+    columns = {
+        "time_s": {"from": "t"},
+        "q_motor_1_rad": {"from": "q"},
+        "force_z_n": {"from": "fz", "table": "force"},
+    }
+    tables = {"force": {"file": "*_force.csv", "time_s": {"from": "ms", "factor": factor}}}
+    form = LogFormat.model_validate({"columns": columns, "tables": tables})
+    warnings = convert(tmp_path, form, "mine").warnings
+    assert len(warnings) == bool(unit)
+    if unit:
+        assert f"in {unit}? then write `factor: {1e-3 / factor:g}` in `tables: force: time_s`" in str(warnings[0])
+
+
+def test_a_table_of_the_whole_day_is_no_finer_unit(tmp_path: Path) -> None:
+    log(tmp_path, "a.csv", "t,q\n" + "".join(f"{k * 0.004:.3f},{k * 1e-3:.4f}\n" for k in range(500)))
+    log(tmp_path, "a_air.csv", "t,K\n" + "".join(f"{10 * k - 50},{290 + k % 2}\n" for k in range(8640)))
+    columns = {
+        "time_s": {"from": "t"},
+        "q_motor_1_rad": {"from": "q"},
+        "ambient_temperature_k": {"from": "K", "table": "air"},
+    }
+    tables = {"air": {"file": "*_air.csv", "time_s": {"from": "t"}}}
+    assert not convert(tmp_path, LogFormat.model_validate({"columns": columns, "tables": tables}), "mine").warnings
+
+
+@pytest.mark.parametrize("ending", ["csv", "parquet"])
+def test_a_clock_is_no_torque(tmp_path: Path, ending: str) -> None:
+    """A Parquet column of time stamps was taken for a torque of 1.7 GNm."""
+    seconds = np.arange(500) * 0.004
+    stamps = (np.int64(1747126800_000_000_000) + np.round(seconds * 1e9).astype(np.int64)).astype("datetime64[ns]")
+    if ending == "parquet":
+        table = {"t": seconds, "q": 1e-3 * seconds, "m": pa.array(stamps)}
+        parquet.write_table(pa.table(table), tmp_path / "a.parquet")
+    else:
+        rows = "".join(f"{t:.3f},{1e-3 * t:.6f},{s}\n" for t, s in zip(seconds, stamps, strict=True))
+        log(tmp_path, "a.csv", "t,q,m\n" + rows)
+    columns = {
+        "time_s": {"from": "t"},
+        "q_motor_1_rad": {"from": "q"},
+        "tau_motor_1_nm": {"from": "m", "factor": -0.5},
+    }
+    with pytest.raises(CampaignError, match=r"m \(tau_motor_1_nm\): holds moments|m: holds moments"):
+        convert(tmp_path, LogFormat.model_validate({"columns": columns}), "mine")
+
+
 @pytest.mark.parametrize(
     ("late", "readings", "rows"), [(0.001, 499, (1, 499)), (-0.001, 500, (0, 499)), (0.0, 500, (0, 500))]
 )

@@ -12,12 +12,17 @@ from bench.record.campaign import Array, Run
 from bench.record.finding import Finding
 from bench.record.limits import TABLE_CELLS
 from bench.record.log_format import Beside, LogFormat, Origin
+from bench.record.logs.dates import is_dated
 from bench.record.logs.dialect import Dialect, read_log_table
 from bench.record.logs.likewise import listed
 from bench.record.logs.mcap_table import MCAP, read_topic
 from bench.record.logs.resample import at_times, even_rows, filled
 from bench.record.rules.sheet import Sheet, rows_where
 from bench.record.table import Table
+
+_UNITS = {1e3: "milliseconds", 1e6: "microseconds", 1e9: "nanoseconds"}  # a second -> its name
+LIKE = 0.1  # assumed: two loggers are started and stopped within a tenth of a recording
+CLOCKS_DIFFER = 0.01  # of a recording (assumed: two clocks of one logger agree as well as that)
 
 
 @dataclass(frozen=True)
@@ -31,12 +36,14 @@ class LogColumns:
         lines_before: Lines above the first row.
         covered: The rows in which other tables have readings. Clocks of their own begin and end up to a step later or
             earlier; what lacks more is a fault, and its rows are among these.
+        warnings: What looks wrong with it and may be right.
     """
 
     columns: dict[str, Array]
     unused: tuple[str, ...]
     lines_before: int
     covered: slice
+    warnings: tuple[Finding, ...] = ()
 
 
 def read_log(file: Path, layout: LogFormat, findings: list[Finding]) -> LogColumns | None:
@@ -47,11 +54,14 @@ def read_log(file: Path, layout: LogFormat, findings: list[Finding]) -> LogColum
     if "time_s" in own and own["time_s"].rate_hz is not None and table.columns:
         rows = len(next(iter(table.columns.values())))
         columns["time_s"] = np.arange(rows) / own["time_s"].rate_hz
+    if "time_s" in columns:
+        faults += _clocks(file.name, columns, own, columns["time_s"])
     covered = slice(0, max(map(len, columns.values()), default=0))
+    warnings: list[Finding] = []
     for name, beside in layout.tables.items():
         if not faults:
             wanted = {key: origin for key, origin in layout.columns.items() if origin.table == name}
-            others, seen = _beside(file, beside, wanted, columns["time_s"], faults)
+            others, seen = _beside(file, name, beside, wanted, columns["time_s"], faults, warnings)
             columns |= others
             covered = slice(max(covered.start, seen.start), min(covered.stop, seen.stop))
     findings += faults
@@ -59,7 +69,7 @@ def read_log(file: Path, layout: LogFormat, findings: list[Finding]) -> LogColum
         return None
     named = {origin.name_in(table.names) for origin in own.values()}
     unused = tuple(name for name in dict.fromkeys(table.names) if name and name not in named)
-    return LogColumns(columns, unused, layout.table.lines_before, covered)
+    return LogColumns(columns, unused, layout.table.lines_before, covered, tuple(warnings))
 
 
 def no_values(file: Path, columns: dict[str, Array], rows: slice, log: LogColumns, layout: LogFormat) -> list[Finding]:
@@ -122,6 +132,20 @@ def _columns(file: str, table: Table, wanted: dict[str, Origin]) -> tuple[dict[s
     return columns, faults
 
 
+def _clocks(file: str, columns: dict[str, Array], wanted: dict[str, Origin], time: Array) -> list[Finding]:
+    """Return a finding for each channel that is a clock of the log: seconds since 1970 that pass as its time does."""
+    found = []
+    for name, values in columns.items():
+        seconds = (values - wanted[name].offset) / wanted[name].factor
+        if name == "time_s" or len(time) < 2 or not is_dated(float(seconds[0])):
+            continue
+        passed, span = seconds - seconds[0], time - time[0]
+        if span[-1] > 0 and bool(np.all(np.abs(passed - span) < CLOCKS_DIFFER * span[-1])):
+            message = f"holds moments, in seconds since 1970; they are no {name}"
+            found.append(Finding("error", file, None, str(wanted[name]), message, "name the column that holds it"))
+    return found
+
+
 def _missing(file: str, table: Table, wanted: dict[str, Origin], missing: Sequence[str]) -> Finding:
     """Return one finding for all columns that a table does not have."""
     names = [name for name in dict.fromkeys(table.names) if name]
@@ -139,7 +163,13 @@ def _near(name: str, names: Sequence[str]) -> str:
 
 
 def _beside(
-    file: Path, beside: Beside, wanted: dict[str, Origin], time: Array, faults: list[Finding]
+    file: Path,
+    key: str,
+    beside: Beside,
+    wanted: dict[str, Origin],
+    time: Array,
+    faults: list[Finding],
+    warnings: list[Finding],
 ) -> tuple[dict[str, Array], slice]:
     """Return columns of another table of a log at the times of the log, and the rows that it covers."""
     every = slice(0, len(time))
@@ -161,7 +191,18 @@ def _beside(
         remedy = f"are more than {TABLE_CELLS}; cut what does not belong together"
         faults.append(Finding("error", other.name, None, str(beside.time_s), message, remedy))
         return {}, every
+    faults += _clocks(other.name, columns, wanted, clock)
+    if finer := _finer_unit(time, clock):
+        message = f"counts {clock[-1] - clock[0]:g} s, {finer:g} times as long as {file.name}"
+        remedy = f"in {_UNITS[finer]}? then write `factor: {1 / finer:g}` in `tables: {key}: time_s`"
+        warnings.append(Finding("warning", other.name, None, str(beside.time_s), message, remedy))
     return at_times(clock, columns, time), _covered(time, clock)
+
+
+def _finer_unit(time: Array, clock: Array) -> float | None:
+    """Return how many units of a clock are a second, where in them it counts as long as that of the log does."""
+    ratio = (clock[-1] - clock[0]) / span if len(time) > 1 and (span := time[-1] - time[0]) > 0 else 1.0
+    return next((unit for unit in _UNITS if abs(ratio / unit - 1) < LIKE), None)
 
 
 def _covered(time: Array, clock: Array) -> slice:
