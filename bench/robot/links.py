@@ -35,11 +35,12 @@ def rigid_bodies(compiled: CompiledRobot) -> RigidBodies:
     parent = np.full(n, -1)
     placement = np.zeros((n, 3))
     orientation = np.zeros((n, 3, 3))
+    parents, places, joints = model.body_parentid.tolist(), model.body_pos, model.body_jntnum.tolist()
+    turns = [_matrix(quaternion) for quaternion in model.body_quat]
     for body in range(1, model.nbody):
-        above = int(model.body_parentid[body])
-        local = _matrix(model.body_quat[body])
-        origin = position[above] + rotation[above] @ model.body_pos[body]
-        turned = rotation[above] @ local
+        above = parents[body]
+        origin = position[above] + rotation[above] @ places[body]
+        turned = rotation[above] @ turns[body]
         if body in joint_of_body:
             i = joint_of_body[body]
             pivot = model.jnt_pos[at.joint[i]]
@@ -47,7 +48,7 @@ def rigid_bodies(compiled: CompiledRobot) -> RigidBodies:
             placement[i] = origin + turned @ pivot
             orientation[i] = turned
             carrier[body], position[body], rotation[body] = i, -pivot, np.eye(3)
-        elif model.body_jntnum[body] and body not in rotor_bodies and not _is_sprung(model, body):
+        elif joints[body] and body not in rotor_bodies and not _is_sprung(model, body):
             name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_BODY, body)
             raise RobotError(f"{compiled.robot.mjcf}: body {name!r} has a joint that no drive of figures.yaml names.")
         else:
@@ -55,30 +56,27 @@ def rigid_bodies(compiled: CompiledRobot) -> RigidBodies:
     if np.any(parent >= np.arange(n)):
         raise RobotError(f"{compiled.robot.figures_file}: drives: list them from the base to the tool.")
 
-    mass = np.zeros(n)
-    moment = np.zeros((n, 3))
-    spread = np.zeros((n, 3, 3))  # second moments about the joint frame's origin, kept as inertia tensors
-    for body in range(1, model.nbody):
-        i = carrier[body]
-        if i < 0:
-            continue
-        com = position[body] + rotation[body] @ model.body_ipos[body]
-        axes = rotation[body] @ _matrix(model.body_iquat[body])
-        mass[i] += model.body_mass[body]
-        moment[i] += model.body_mass[body] * com
-        spread[i] += axes @ np.diag(model.body_inertia[body]) @ axes.T + _steiner(model.body_mass[body], com)
+    carried = np.flatnonzero(carrier >= 0)
+    of, masses, turned_to = carrier[carried], model.body_mass[carried], rotation[carried]
+    centre = position[carried] + np.einsum("bij,bj->bi", turned_to, model.body_ipos[carried])
+    axes = turned_to @ np.stack([_matrix(quaternion) for quaternion in model.body_iquat[carried]])
+    about_centre = np.einsum("bij,bj,bkj->bik", axes, model.body_inertia[carried], axes)
+    mass, moment, about_origin = np.zeros(n), np.zeros((n, 3)), np.zeros((n, 3, 3))
+    np.add.at(mass, of, masses)
+    np.add.at(moment, of, masses[:, None] * centre)
+    np.add.at(about_origin, of, about_centre + _of_points(masses, centre))
     com = moment / mass[:, None]
-    inertia = np.stack([spread[i] - _steiner(mass[i], com[i]) for i in range(n)])
+    inertia = about_origin - _of_points(mass, com)
 
     points = {}
-    for site in range(model.nsite):
-        body = int(model.site_bodyid[site])
+    for site, (body, place, quaternion) in enumerate(
+        zip(model.site_bodyid.tolist(), model.site_pos, model.site_quat, strict=True)
+    ):
         name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_SITE, site)
         if name:
-            where = position[body] + rotation[body] @ model.site_pos[site]
-            points[name] = Point(
-                int(carrier[body]), read_only(where), read_only(rotation[body] @ _matrix(model.site_quat[site]))
-            )
+            where = position[body] + rotation[body] @ place
+            turned = rotation[body] @ _matrix(quaternion)
+            points[name] = Point(int(carrier[body]), read_only(where), read_only(turned))
     return RigidBodies(
         names=tuple(drive.joint for drive in compiled.robot.figures.drives),
         parent=parent,
@@ -107,6 +105,7 @@ def _matrix(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
     return matrix.reshape(3, 3)
 
 
-def _steiner(mass: float, offset: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the inertia of a point mass at `offset` about the origin."""
-    return mass * (offset @ offset * np.eye(3) - np.outer(offset, offset))
+def _of_points(mass: NDArray[np.float64], offset: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the inertia of point masses, shape (b,), at offsets, shape (b, 3), about the origin: shape (b, 3, 3)."""
+    squares = np.sum(offset**2, axis=1)[:, None, None] * np.eye(3)
+    return np.asarray(mass[:, None, None] * (squares - offset[:, :, None] * offset[:, None, :]))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bench.cli import main
-from tests.recordings import write_kr300
+from tests.recordings import write_emps, write_kr300
 
 
 @pytest.fixture(scope="module")
@@ -92,18 +92,14 @@ def test_the_same_campaign_twice_is_refused(campaigns: tuple[Path, Path], capsys
         assert "is given twice" in capsys.readouterr().err
 
 
-def test_failed_checks_come_first(
-    campaigns: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_failed_checks_come_first(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A campaign that `bench check` fails was fitted without a word: 2144 Nm of friction for an arm of 3 kg."""
-    (folder := tmp_path / "turned").mkdir()
-    for file in campaigns[0].rglob("*"):
-        if file.is_file():
-            (to := folder / file.relative_to(campaigns[0])).parent.mkdir(parents=True, exist_ok=True)
-            to.write_bytes(file.read_bytes())
+    write_emps(tmp_path / "emps.csv", np.random.default_rng(3), seconds=3.0)
+    folder = tmp_path / "turned"
+    assert main(["convert", "emps", str(tmp_path / "emps.csv"), "-o", str(folder)]) == 0
     (table,) = folder.rglob("*.csv")
     header, *rows = table.read_text().splitlines()
-    place = header.split(",").index("tau_motor_2_nm")
+    place = header.split(",").index("tau_motor_1_n")
     cells = [row.split(",") for row in rows]
     for row in cells:
         row[place] = repr(-float(row[place]))
@@ -111,7 +107,7 @@ def test_failed_checks_come_first(
     command = ["identify", str(folder), "--method", "dynamics", "--json"]
     capsys.readouterr()
     assert main(command) == 3
-    assert "tau_motor_2_nm" in (said := capsys.readouterr().err)
+    assert "tau_motor_1_n" in (said := capsys.readouterr().err)
     assert "--despite-doubts" in said
     assert main([*command, "--despite-doubts"]) == 0
     assert capsys.readouterr().err.startswith("failed check")
