@@ -30,7 +30,7 @@ def test_it_is_said_once(folder: Path, tmp_path: Path, capsys: pytest.CaptureFix
     options = ["--no-store", "--cores", "1"]
     arguments = {
         "predict": [robot, may],
-        "compare": [may, june, "--robot", robot, *options],
+        "compare": [may, june, "--robot", robot, "--at-most", "1s", *options],
         "apply": [robot, "-o", str(tmp_path / "applied")],
     }
     main([command, *arguments[command]])
