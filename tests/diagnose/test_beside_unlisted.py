@@ -12,21 +12,27 @@ from scipy.stats import multivariate_normal, norm
 
 from bench.diagnose.extend.fit import unknowns_of
 from bench.diagnose.linearise.candidates import Cause
-from bench.diagnose.linearise.generic import hats
+from bench.diagnose.linearise.first_order import FirstOrder
+from bench.diagnose.linearise.generic import blocks_at, hats
 from bench.diagnose.linearise.screening import widths_of
 from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.beside_unlisted import free_beside, group_beside, log_odds, log_odds_as_runs_say
 from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, Member
 from bench.diagnose.name.subset_posterior import SubsetPosterior, Term
-from bench.effects.effect import WHOLE
+from bench.diagnose.replay.world import NOMINAL
+from bench.effects.catalogue import catalogue
+from bench.effects.effect import WHOLE, Acting
 from bench.record.campaign import Array
+from tests.diagnose.noise_free import linearised, noise_free
 from tests.diagnose.small_models import Shift, X, fit_alone
+from tests.diagnose.sweeps import nominal
 
 ODDS = -6.0
 WIDTHS = (0.3, 1.0, 3.0)
 LEFT_OUT = np.exp(-IN_SET)  # of a sum: each of its terms that is further behind
 SAMPLES = 400
 NOISE = 0.05
+FIRST_ORDER = 5e-3  # of its length; to which closed forms are right (bench/diagnose/linearise/README.md)
 
 speed = np.random.default_rng(1).permutation(np.linspace(0.05, 1.0, SAMPLES))  # at any angle
 angle = np.concatenate([np.linspace(-1, 1, SAMPLES // 2), np.linspace(1, -1, SAMPLES // 2)])
@@ -125,3 +131,19 @@ def test_evidence_by_standard_errors_of_runs_is_that_of_a_reading_so_exact() -> 
     # where runs disagree as much as that, nothing is left
     wide = replace(fit, covariance=np.array([[(2 * reading) ** 2]]))
     assert expit(log_odds_as_runs_say(wide, cause, 5.0)) < 0.01
+
+
+def test_a_torque_at_every_angle_holds_a_constant_one() -> None:
+    """A cable that snaps was a constant torque, at 0.98, and a shape for the rest.
+
+    The constant one acted on a joint that stood while others moved, and no shape did.
+    """
+    effect, linear = catalogue()["torque_offset"], linearised(noise_free("session-short"))
+    constant = FirstOrder(linear.replay, NOMINAL).change(Acting(effect, effect.places(nominal())[0], {"torque": 100.0}))
+    assert constant is not None
+    white = linear.whiten(constant[:, :, None])[:, 0]
+    torques = (block for block in blocks_at(linear, 0, (17,)) if block.kind == "link torque")
+    (block,) = (block for block in torques if block.depends_on == "angle")
+    left = white - block.columns @ np.linalg.lstsq(block.columns, white)[0]
+    print(f"{np.linalg.norm(left) / np.linalg.norm(white):.2g} of a constant torque is left")
+    assert np.linalg.norm(left) < FIRST_ORDER * np.linalg.norm(white)

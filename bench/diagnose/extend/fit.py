@@ -12,6 +12,10 @@ from bench.effects.effect import Parameter
 from bench.record.campaign import Array
 
 STEP = 0.05  # rounding: of a parameter's plausible size, for its derivative
+# rounding: of a size's standard error, the same where that is known and less: what it does bends within its range, as
+# where links slide does, and what figures do that act alike is taken over half of their standard deviation too
+# (`STEP_OF_NUISANCE`). Else the difference between two ways to write the same friction tells which it is.
+STEP_OF_ERROR = 0.5
 # rounding: Of the distance to the next shape that is tried, for a shape that may lie anywhere over decades. Balances
 # are found within a tolerance: with a hundredth of a softening's knee, that noise made its interval three times too
 # narrow.
@@ -60,10 +64,17 @@ class Unknown:
             low, high = p.null - BEYOND * p.high if p.signed else p.null, p.null + BEYOND * p.high
         return max(low, p.least), min(high, p.most)
 
-    def step_from(self, value: float) -> float:
-        """Return a step within bounds, for its derivative; a shape may lie anywhere over decades, as a period does."""
+    def step_from(self, value: float, error: float = np.inf) -> float:
+        """Return a step within bounds, for its derivative; a shape may lie anywhere over decades, as a period does.
+
+        Args:
+            value: From where.
+            error: Its standard error, as far as known.
+        """
         p = self.parameter
         step = STEP * (p.high - p.low if p.is_shape else p.high)
+        if not p.is_shape and error > 0:
+            step = min(step, STEP_OF_ERROR * error)
         if p.is_shape and p.low > 0:
             step = SHAPE_STEP * (p.ratio - 1) * value
         return step if value + step <= self.bounds[1] else -step

@@ -73,13 +73,21 @@ class Objective:
         linear: The campaign; the scatter in it knows the play of the extended model.
         causes: What is added to the nominal model.
         progress: Called before every simulation; what it raises ends the fit.
+        errors: Shape (k,), standard errors of the unknowns by a fit near by, for steps; None: not known.
     """
 
-    def __init__(self, linear: LinearisedModel, causes: tuple[Cause, ...], progress: Progress = ignore) -> None:
+    def __init__(
+        self,
+        linear: LinearisedModel,
+        causes: tuple[Cause, ...],
+        progress: Progress = ignore,
+        errors: Array | None = None,
+    ) -> None:
         self._progress = progress
         self.linear, self.causes, self.unknowns = linear, causes, unknowns_of(causes)
         self.sigma = np.array([unknown.sigma for unknown in self.unknowns])
         self.origin = np.array([unknown.parameter.null for unknown in self.unknowns])
+        self._errors = np.full(len(self.unknowns), np.inf) if errors is None else errors
         self.low, self.high = bounds_of(linear.nuisances, self.unknowns)
         self.units = np.concatenate([np.ones(len(linear.nuisances)), self.sigma])
         at_work = {"", *(cause.effect.name for cause in causes)}
@@ -245,7 +253,7 @@ class Objective:
         about = FirstOrder(self.linear.replay, here)
         found: dict[int, Array] = {}
         for i in which:
-            step = self.unknowns[i].step_from(float(state.values[i]))
+            step = self.unknowns[i].step_from(float(state.values[i]), float(self._errors[i]))
             there = self._world(state.nuisances, _moved(state.values, i, step))
             number = self.causes.index(self.unknowns[i].cause)
             now, then = (about.change(world.acting[number]) for world in (here, there))
@@ -261,7 +269,7 @@ class Objective:
             here: What is left there, shape (T, c).
             i: Which unknown.
         """
-        step = self.unknowns[i].step_from(float(state.values[i]))
+        step = self.unknowns[i].step_from(float(state.values[i]), float(self._errors[i]))
         try:
             there = self._left(state.nuisances, _moved(state.values, i, step))
         except NOT_SIMULATED:  # no balance there; the other side is as good

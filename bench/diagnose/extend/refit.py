@@ -38,6 +38,7 @@ class _Point:
         jacobian: Unknown, by its index -> shape (T, c); others are to be simulated.
         renewed: As of a fit.
         is_settled: Whether the fit that ended there was.
+        errors: Shape (k,), standard errors of the unknowns as of a fit; None: not known.
     """
 
     values: Array
@@ -46,6 +47,7 @@ class _Point:
     jacobian: Mapping[int, Array] = field(default_factory=dict)
     renewed: Mapping[int, Array] = field(default_factory=dict)
     is_settled: bool = True
+    errors: Array | None = None
 
 
 def refit(
@@ -55,6 +57,7 @@ def refit(
     nuisances: Array | None = None,
     known: Fit | None = None,
     *,
+    errors: Array | None = None,
     settles: bool = True,
     renews: bool = True,
     progress: Progress = ignore,
@@ -71,6 +74,8 @@ def refit(
         start: (effect, place, parameter) -> first value; null where nothing is given.
         nuisances: Shape (p,), first values; None: zeros.
         known: A fit near the start, whose derivatives will do as long as they promise what comes true.
+        errors: Shape (k,), standard errors of the unknowns by a fit near the start, over which derivatives are taken;
+            None: not known.
         settles: Whether a fit whose derivatives are doubtful at its end ends with those of all nuisances
             about itself, which takes a simulation for each. `refitted` does that later.
         renews: Whether derivatives that do not keep what they promise are taken anew; else steps alone correct them.
@@ -84,9 +89,8 @@ def refit(
     values = np.array([start.get(unknown.key, unknown.parameter.null) for unknown in unknowns])
     x = np.zeros(len(linear.nuisances)) if nuisances is None else nuisances.copy()
     slopes = (known.slopes_of(unknowns), known.renewed) if known else ()
-    return _with_its_play(
-        linear, causes, _Point(np.clip(values, low, high), x, None, *slopes), progress, settles=settles, renews=renews
-    )
+    point = replace(_Point(np.clip(values, low, high), x, None, *slopes), errors=errors)
+    return _with_its_play(linear, causes, point, progress, settles=settles, renews=renews)
 
 
 def refitted(linear: LinearisedModel, fit: Fit, progress: Progress = ignore) -> Fit:
@@ -105,7 +109,7 @@ def refitted(linear: LinearisedModel, fit: Fit, progress: Progress = ignore) -> 
 
 def _point_of(fit: Fit) -> _Point:
     slopes = fit.slopes_of(fit.unknowns)
-    return _Point(fit.values, fit.nuisances, fit.residual, slopes, fit.renewed, fit.is_settled)
+    return _Point(fit.values, fit.nuisances, fit.residual, slopes, fit.renewed, fit.is_settled, fit.sigma)
 
 
 def _with_its_play(
@@ -121,7 +125,8 @@ def _with_its_play(
     unknowns = unknowns_of(causes)
     play = play_of(linear, causes, unknowns, point.values)
     for _ in range(MOST_PLAYS):
-        fit = _fitted(Objective(with_play(linear, play), causes, progress), point, settles=settles, renews=renews)
+        objective = Objective(with_play(linear, play), causes, progress, point.errors)
+        fit = _fitted(objective, point, settles=settles, renews=renews)
         found = play_of(linear, causes, unknowns, fit.values)
         if scatters_alike(found, play):
             break

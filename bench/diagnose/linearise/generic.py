@@ -108,6 +108,9 @@ def anew(linear: LinearisedModel, block: Block, angle_nodes: int | None = None) 
 def blocks_at(linear: LinearisedModel, drive: int, angle_nodes: Iterable[int]) -> tuple[Block, ...]:
     """Return the blocks at one drive, or of the tracker (-1), with every number of nodes over the angle.
 
+    They act where the joint stands while others move, too, as listed causes do that have to stand beside them: a torque
+    at every angle holds a constant one.
+
     Args:
         linear: The campaign.
         drive: Index.
@@ -115,7 +118,7 @@ def blocks_at(linear: LinearisedModel, drive: int, angle_nodes: Iterable[int]) -
     """
     found: dict[tuple[str, int], tuple[Block, Array]] = {}
     for count in angle_nodes:
-        for shape, raw in _shapes(linear, count):
+        for shape, raw in _shapes(linear, count, acts_idle=True):
             if shape.drive == drive:
                 found.setdefault((str(shape), raw.shape[2]), (shape, raw))
     return tuple(block for block in _whitened(linear, found.values()) if block is not None)
@@ -156,13 +159,16 @@ def hats(values: Array, nodes: Array) -> Array:
     return np.stack([np.interp(values, nodes, row) for row in np.eye(len(nodes))], axis=1)
 
 
-def _shapes(linear: LinearisedModel, angle_nodes: int, *finer: int) -> Iterator[tuple[Block, Array]]:
+def _shapes(
+    linear: LinearisedModel, angle_nodes: int, *finer: int, acts_idle: bool = False
+) -> Iterator[tuple[Block, Array]]:
     """Yield blocks without columns, each with its raw ones, shape (T, c, k).
 
     Args:
         linear: The campaign.
         angle_nodes: Number of nodes over an angle.
         finer: Others, of torques over the angle alone, that are yielded beside these.
+        acts_idle: Whether they act on joints that stand while others move, where friction is anywhere.
     """
     segments = linear.segments
     trace = linear.replay.trace(NOMINAL)
@@ -172,8 +178,9 @@ def _shapes(linear: LinearisedModel, angle_nodes: int, *finer: int) -> Iterator[
     is_static = at_each_instant(segments, [segment.is_static for segment in segments])
     standing = at_each_instant(segments, [segment.standing for segment in segments])
     direction = np.where(standing | is_static[:, None], 0.0, np.sign(trace.q_velocity))
-    idle = standing & ~is_static[:, None]  # whose friction is anywhere: it says nothing of the joint
-    link, motor = np.where(idle[:, None], 0.0, link), np.where(idle[:, None], 0.0, motor)
+    if not acts_idle:
+        idle = standing & ~is_static[:, None]  # whose friction is anywhere: it says nothing of the joint
+        link, motor = np.where(idle[:, None], 0.0, link), np.where(idle[:, None], 0.0, motor)
     names = [drive.joint for drive in linear.replay.compiled.robot.figures.drives]
     for j in range(len(names)):
         angle, way, speed = trace.q[:, j], direction[:, j], np.abs(trace.q_velocity[:, j])
