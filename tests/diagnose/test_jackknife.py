@@ -53,3 +53,14 @@ def test_what_one_group_shows_alone_is_not_told_by_the_others() -> None:
     slope[:EACH] = 1.0
     tangent = at_optimum(slope, np.random.default_rng(3).standard_normal(GROUPS * EACH), np.ones(1))
     assert jackknife_variance(tangent, *folds())[0] == 0
+
+
+def test_what_is_left_out_beside_a_block_does_not_count_as_scatter() -> None:
+    rng, blocks, each = np.random.default_rng(4), 8, 40
+    fold, place = np.repeat(np.arange(blocks), each), np.arange(blocks * each)
+    gap = np.column_stack([(abs(place - (f + 0.5) * each) < 0.75 * each) & (fold != f) for f in range(blocks)])
+    found = []
+    for _ in range(400):
+        tangent = at_optimum(np.ones((len(place), 1)), rng.standard_normal(len(place)), np.zeros(1))
+        found.append(jackknife_variance(tangent, fold, gap)[0])
+    assert np.mean(found) == pytest.approx(1 / len(place), rel=0.25)

@@ -4,6 +4,10 @@ Least squares states how well a size is known if nothing but the noise acts. Whe
 everywhere, runs disagree by more than that, and leaving out one after the other shows it (the jackknife over groups;
 Efron, The jackknife, the bootstrap and other resampling plans, 1982, chapter 3). What is stated is the larger of the
 two.
+
+Beside a block of a run its neighbours are left out too, so a fold takes more with it than its own share. Without that
+share s an estimate moves by s / (1 - s) of its variance, so squares count by (1 - s) / s each (Busing, Meijer and van
+der Leeden, Delete-m jackknife for unequal m, 1999), which is K - 1 where K groups are left out one by one.
 """
 
 from dataclasses import replace
@@ -59,14 +63,18 @@ def jackknife_variance(
     own = np.einsum("ij,ij->j", known, unit)
     scatter, is_alone = np.zeros(len(own)), np.zeros(len(own), dtype=bool)
     for f in range(count):
-        absent = (row_fold == f) | row_gap[:, f]
+        mine = row_fold == f
+        if not mine.any():
+            continue
+        absent = mine | row_gap[:, f]
+        share = min(absent.sum() / (mine.sum() * count), 1.0)  # folds count alike, for runs differ in what they tell
         gone = jacobian[absent]
         rest = cho_factor(precision - gone.T @ gone)
-        scatter += (cho_solve(rest, gone.T @ tangent.white[absent])[asked]) ** 2
+        scatter += (1 - share) / share * cho_solve(rest, gone.T @ tangent.white[absent])[asked] ** 2
         without = np.einsum("ij,ij->j", cho_solve(rest, unit), unit)
         is_alone |= own < (1 - ALONE) * without
     prior = np.diag(precision) - np.einsum("ij,ij->j", jacobian, jacobian)
-    variance = (count - 1) / count * scatter + np.maximum(prior, 0.0) @ known**2
+    variance = scatter / count + np.maximum(prior, 0.0) @ known**2
     found = np.zeros(tangent.jacobian.shape[1] - first)
     found[free[asked] - first] = np.where(is_alone, 0.0, variance)
     return found

@@ -18,6 +18,7 @@ from bench.diagnose.extend.refit import refit
 from bench.diagnose.extend.relinearise import relinearised_fit
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.linearise.other_noise import raised
 from bench.diagnose.linearise.screening import Screening
 from bench.diagnose.name.beginning import with_what_drawings_leave_out
 from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of
@@ -36,6 +37,7 @@ from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
 from bench.executor.watched import Stopped
+from bench.record.campaign import Array
 
 LEFT_OPEN = 30.0  # effort: evidence of all that is refused, from where something else is looked for in its place
 MOST_ROUNDS = 12  # effort: of linearising and searching; recording B of the KR300 takes 8
@@ -91,6 +93,8 @@ class _Selection:
         causes: Everything listed that the last search might have taken, by key.
         posterior: Of the last search, subset of keys -> logarithm of its posterior odds.
         is_open: Whether what was refused explained much, so that something else may explain it.
+        before: Shape (2, c), what standard errors were raised by before they counted all that a model misses; None:
+            they do not.
     """
 
     linear: LinearisedModel
@@ -109,6 +113,7 @@ class _Selection:
     causes: dict[Hashable, Cause] = field(default_factory=dict)
     posterior: dict[frozenset[Hashable], float] = field(default_factory=dict)
     is_open: bool = False
+    before: Array | None = None
 
     def __post_init__(self) -> None:
         self.nominal, self.tried = self.linear, self.screening.tried
@@ -257,20 +262,28 @@ class _Selection:
         return shape_pays(self.linear, self.null, model, self.screening.threshold)
 
     def _relinearise(self, *, is_last: bool = False) -> None:
-        """Take the campaign about the best model: derivatives, standard errors, and everything weighed against it."""
+        """Take the campaign about the best model: derivatives, standard errors, and everything weighed against it.
+
+        What it misses counts once, and as it is fitted before that counts: with larger standard errors figures would be
+        free to leave more, and so on with every finding that is refused.
+        """
         if not self.best.keys:
             return
         self.progress("what the extended model makes possible")
         linear, model = self.linear, self.best
         with suppress(*NOT_SIMULATED):  # no balance beside the model: the campaign stays about the one before
+            if self.before is not None:
+                linear = raised(linear, self.before / linear.inflation)
+                model = _fitted_to(linear, self.linear, model)
+            before = linear.inflation if is_last else None
             if not is_last:
                 about, fit = relinearised_fit(model.linear(linear), model.fit)
                 linear, model = without_shape(about, len(linear.nuisances)), replace(model, fit=fit)
             new, tried = self.renew(linear, model, is_last=is_last)
             # evidence against it is the same for all, so it need not settle
-            null = self.null if new is linear else refit(new, (), {}, settles=False)
-            best = reweighed(replace(model, fit=replace(model.fit, renewed={})), linear, new)  # the design has them
-            self.linear, self.tried, self.null = best.fit.design(new), tried, null
+            null = self.null if new is self.linear else refit(new, (), {}, settles=False)
+            best = _fitted_to(new, linear, model)
+            self.linear, self.tried, self.null, self.before = best.fit.design(new), tried, null, before
             self.best = replace(best, fit=replace(best.fit, renewed={}))
 
     def _refuse(self) -> bool:
@@ -308,3 +321,8 @@ class _Selection:
         about = search_space(self.linear, self.tried, self.screening.threshold, self.best, refused)
         shares = repeats(self.linear, self.tried, about, self.naming().alternatives)
         self.findings = {key: replace(one, repeats=shares[key]) for key, one in self.findings.items()}
+
+
+def _fitted_to(linear: LinearisedModel, before: LinearisedModel, model: Model) -> Model:
+    """Return a model fitted again to a design, which has the derivatives that its fit took anew."""
+    return reweighed(replace(model, fit=replace(model.fit, renewed={})), before, linear)
