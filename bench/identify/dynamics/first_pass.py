@@ -126,14 +126,13 @@ def first_pass(
     if leans := seems_to_lean(likely, layout):
         leant = fitted(tilted, fit.solution.widths)
         if leans := leant.beside.surely_less_than(fit.beside):
-            fit = leant
-            if turns_late:  # it was noise, about which travels were found
-                about_it = partial(solved, find_delay=fit.solution.delay != 0, begin=fit.solution.widths)
-                at_once = late(fit.stretches, np.zeros(layout.n), band)
-                travel = likeliest_travel(at_once, layout, prior, band, fit.solution, about_it)
-                fit = fitted(late(at_once, travel, band), fit.solution.widths)
-            if bending is None:  # and beside which one could not see how little gears wind up
-                bending, fit = winding_too(fit, fit.solution.widths)
+            # that was noise so far, about which all else was found: what slewing gears pass on, travels, winding
+            begin, rubbing = leant.solution.widths, existing(leant.solution)
+            stretches = leaning(loaded(stretches, rubbing, band), arm, nominal)
+            if turns_late:
+                about_it = partial(solved, find_delay=leant.solution.delay != 0, begin=begin)
+                travel = likeliest_travel(stretches, layout, prior, band, leant.solution, about_it)
+            bending, fit = winding_too(fitted(late(stretches, travel, band), begin), begin)
     solution, stretches, rows = fit.solution, fit.stretches, tuple(one.rows for one in fit.solution.drives)
     unsure = width_errors(solution.normal, prior, solution.widths)
     solution = replace(solution, covariance=solution.covariance + unsure)

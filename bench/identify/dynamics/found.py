@@ -16,7 +16,7 @@ from bench.identify.dynamics.folds import Folds
 from bench.identify.dynamics.found_arm import FoundArm
 from bench.identify.dynamics.gear_load import loaded
 from bench.identify.dynamics.held_out import HeldOut, Problems
-from bench.identify.dynamics.leaning import across, leaning
+from bench.identify.dynamics.leaning import leaning, leant
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.presliding import late
 from bench.identify.dynamics.prior import NONE, Prior
@@ -120,7 +120,7 @@ class FirstPass:
     @property
     def gravity(self) -> Array:
         """Shape (3,) [m/s^2], as stated or as found."""
-        return np.array(self.arm.bodies.gravity) + self.parameters[self.layout.lean] @ across(self.arm.bodies)
+        return np.array(leant(self.arm.bodies, self.parameters[self.layout.lean]).gravity)
 
     @property
     def joints(self) -> tuple[str, ...]:

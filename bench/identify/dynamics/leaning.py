@@ -6,8 +6,7 @@ known masses weigh in these directions too, in proportion to how far it leans, l
     tau = Y(q, v, a; g) pi + sum_k l_k (G_k(q) pi + G_fk(q) m)
 
 with the parameters pi of the links and a known mass m. It is linear in either of l and pi. An upright first axis feels
-nothing of gravity else, so moments about it that only a lean shows stay as uncertain as they are. How a gear winds up
-and rubs under a weight that leans is of second order and left out.
+nothing of gravity else, so moments about it that only a lean shows stay as uncertain as they are.
 """
 
 from collections.abc import Sequence
@@ -44,6 +43,11 @@ def across(bodies: RigidBodies) -> Array:
     axes = np.eye(3)[list(axes_across(bodies))]
     axes -= np.outer(axes @ down, down)
     return np.asarray(size * axes / np.linalg.norm(axes, axis=1, keepdims=True))
+
+
+def leant(bodies: RigidBodies, lean: Array) -> RigidBodies:
+    """Return links whose gravity leans by so much, shape (2,) [rad]."""
+    return replace(bodies, gravity=read_only(np.array(bodies.gravity) + lean @ across(bodies)))
 
 
 def leaning(equations: Sequence[Equations], arm: Arm, nominal: NominalDynamics) -> tuple[Equations, ...]:
