@@ -81,13 +81,12 @@ def _leaning_notes(found: FirstPass) -> Iterator[str]:
     if not found.leans:
         return
     told = [one for one in quantities(found) if one.kind == "level"]
-    words = " and ".join(
-        f"{1e3 * one.value:.2g} +- {1e3 * one.sigma:.1g} mrad {one.name.split(', ')[1]}" for one in told
-    )
+    each = ((one, one.name.split(", lean ")[1]) for one in told)
+    words = " and ".join(f"{1e3 * one.value:.2g} +- {1e3 * one.sigma:.1g} mrad {way}" for one, way in each)
     open_ones = "".join(f" These data do not tell its {one.name.split(', ')[1]}." for one in told if not one.told)
     yield (
-        f"The floor is out of level, {words} in the frame of the base, and fitted with all else.{open_ones} Level the "
-        f"base, or check that with a spirit level and write gravity into <option> of the MJCF, "
+        f"The floor is out of level, and leans by {words} in the frame of the base, as fitted with all else."
+        f"{open_ones} Level the base, or check that with a spirit level and write gravity into <option> of the MJCF, "
         f'"{" ".join(f"{g:.4f}" for g in found.gravity)}"; what is written there counts as exact. `bench diagnose` '
         "names it with all other causes."
     )
