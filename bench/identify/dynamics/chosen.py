@@ -24,7 +24,14 @@ ROUNDS = 2  # effort: of asking by how much the model errs beside its data; a th
 
 
 def with_its_delay(
-    rows: Sequence[DriveRows], prior: Prior, band: Band, folds: Folds, *, find_delay: bool, turns_late: bool = False
+    rows: Sequence[DriveRows],
+    prior: Prior,
+    band: Band,
+    folds: Folds,
+    *,
+    find_delay: bool,
+    turns_late: bool = False,
+    begin: Widths | None = None,
 ) -> tuple[Solution, Missed]:
     """Return the posterior, with a delay where that surely predicts what was held out better, and what it misses.
 
@@ -37,10 +44,11 @@ def with_its_delay(
         folds: What is held out at a time.
         find_delay: Whether torques may be later than angles.
         turns_late: Whether friction may turn late.
+        begin: Widths to begin with, by default the usual.
     """
-    solution, at_once = _solved(rows, prior, band, folds, find_delay=False, turns_late=turns_late)
+    solution, at_once = _solved(rows, prior, band, folds, find_delay=False, turns_late=turns_late, begin=begin)
     if find_delay:
-        late, later = _solved(rows, prior, band, folds, find_delay=True, turns_late=turns_late)
+        late, later = _solved(rows, prior, band, folds, find_delay=True, turns_late=turns_late, begin=begin)
         if later.surely_less_than(at_once):
             return late, later
         solution = replace(solution, not_taken=(late.delay, late.delay_sigma))
@@ -48,10 +56,16 @@ def with_its_delay(
 
 
 def _solved(
-    rows: Sequence[DriveRows], prior: Prior, band: Band, folds: Folds, find_delay: bool, turns_late: bool
+    rows: Sequence[DriveRows],
+    prior: Prior,
+    band: Band,
+    folds: Folds,
+    find_delay: bool,
+    turns_late: bool,
+    begin: Widths | None,
 ) -> tuple[Solution, Missed]:
     """Return the posterior whose noise is what is missed beside its data, and that."""
-    widths = None
+    widths = begin
     for _ in range(CHOICES):
         solution, beside = _with_its_noise(rows, prior, band, folds, find_delay, widths)
         chosen = _held_out_widths(solution, beside, prior, folds)

@@ -1,14 +1,15 @@
 """The linear equations of a stretch of motion, model and data through the same filter.
 
     tau = Y(q, v, a) pi + J_r a + (F_c + F_v |v| + F_r |v|^(2/3) + F_l |t|) sign(v) + F_p (z - sign(v))
-          + F_d |v| + c q + offset + g M(q) + S x - J_f^T W
+          + F_d |v| + c q + offset + g M(q) + S x + l (G(q) pi + G_f(q) m) - J_f^T W
 
 for each drive: pi inertial parameters of the links, J_r rotor inertia, F_c Coulomb and F_v viscous friction, F_d half
 the difference of viscous friction between the directions (that of Coulomb friction cannot be told from the offset),
 F_r rolling friction of lubricated bearings (`bench/actuators/README.md`), which bends over speed, F_l friction that
 grows with the torque t that the gear passes on (`gear_load.py`), c the stiffness of a dress pack, F_p friction that
 turns late and z the share of it that there is (`presliding.py`), g the gas of the counterbalance with its nominal
-torque M, x how much softer gears are than stated and S what their winding adds (`bending.py`), W the known load.
+torque M, x how much softer gears are than stated and S what their winding adds (`bending.py`), l how far gravity leans
+and G what links weigh across it, G_f known masses m (`leaning.py`), W the known load.
 """
 
 from dataclasses import dataclass, replace
@@ -60,6 +61,8 @@ class Equations:
             counterbalance.
         winding: Shape (T, n, n) [Nm], what the winding of each gear, stiff as stated, adds to each drive; zeros until
             there are links to wind it (`bending.py`).
+        leaning: Shape (T, n, 2, 10 n + 1), what the links' inertial parameters, and the known mass, weigh if gravity
+            points in either direction across the model's; (T, n, 0, 10 n + 1) where it does not lean (`leaning.py`).
         known: Shape (T, n) [Nm], torque that the known load needs.
         torque: Shape (T, n) [Nm], measured; nan where it was not read.
         moves: Shape (T, n) bool, drives that move and were read: the equations that are used.
@@ -72,6 +75,7 @@ class Equations:
     drives: Array
     gas: Array
     winding: Array
+    leaning: Array
     known: Array
     torque: Array
     moves: NDArray[np.bool_]
@@ -108,6 +112,7 @@ def equations_of(samples: MotionSamples, band: Band, arm: Arm, nominal: NominalD
         drives=band.filtered(drives.reshape(count, -1), samples).reshape(len(kept), n, len(DRIVE_COLUMNS)),
         gas=band.filtered(_gas_columns(nominal.counterbalance, position), samples),
         winding=np.zeros((len(kept), n, n)),
+        leaning=np.zeros((len(kept), n, 0, links.shape[1] // n + 1)),
         known=band.filtered(known_torque(arm, nominal, samples, (position, velocity, acceleration)), samples),
         torque=band.filtered(np.where(read, samples.torque, 0.0), samples) + np.where(read, 0.0, np.nan),
         moves=(band.filtered(moving.astype(np.float64), samples) > MOSTLY) & read,

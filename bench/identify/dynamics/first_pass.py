@@ -1,7 +1,7 @@
 """The first pass over a campaign's moving data: its parameters, and how well they predict what was held out."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -18,7 +18,8 @@ from bench.identify.dynamics.folds import blocks_of, folds_of
 from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.found_arm import FoundArm, found_arm
 from bench.identify.dynamics.gear_load import loaded
-from bench.identify.dynamics.held_out import SAME, Problems, hold_out, missed
+from bench.identify.dynamics.held_out import SAME, Missed, Problems, hold_out, missed
+from bench.identify.dynamics.leaning import leaning, seems_to_lean
 from bench.identify.dynamics.normal import Weighed, normal_of, width_errors
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.presliding import late, likeliest_travel
@@ -29,6 +30,15 @@ from bench.identify.dynamics.samples import motion_samples
 from bench.identify.dynamics.solve import Solution, solve
 from bench.record.campaign import Array, Campaign
 from bench.robot.nominal_dynamics import NominalDynamics
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """A posterior, what it misses of what was held out, and the equations that it is of."""
+
+    solution: Solution
+    beside: Missed
+    stretches: tuple[Equations, ...]
 
 
 def first_pass(
@@ -96,20 +106,34 @@ def first_pass(
                     late_rows, prior, band, folds, find_delay=turning.delay != 0, turns_late=True
                 )
             solution, beside = turning, beside_turning
-    stretches, rows = late_stretches, late_rows
+
+    def fitted(parts: tuple[Equations, ...], begin: Widths | None = None) -> _Fit:
+        own = rows_of(parts, layout, band, arm, nominal)
+        given = own, prior, band, folds
+        return _Fit(*with_its_delay(*given, find_delay=find_delay, turns_late=turns_late, begin=begin), parts)
 
     def softness(parts: Sequence[Equations]) -> Array:
         return solved(parts).parameters[layout.softness]
 
-    bending, bent_stretches = _winding_forwards(bending_of(existing(solution)), stretches, band, softness)
-    bent_rows = rows_of(bent_stretches, layout, band, arm, nominal)
-    is_bent = False
-    if bending.winds.any():
-        wound, beside_wound = with_its_delay(
-            bent_rows, prior, band, folds, find_delay=find_delay, turns_late=turns_late
-        )
-        if is_bent := beside_wound.surely_less_than(beside):
-            solution, stretches, rows = wound, bent_stretches, bent_rows
+    def winding_too(now: _Fit, begin: Widths | None = None) -> tuple[Bending | None, _Fit]:
+        bending, parts = _winding_forwards(bending_of(existing(now.solution)), now.stretches, band, softness)
+        wound = fitted(parts, begin) if bending.winds.any() else now
+        return (bending, wound) if wound.beside.surely_less_than(now.beside) else (None, now)
+
+    bending, fit = winding_too(_Fit(solution, beside, late_stretches))
+    tilted = leaning(fit.stretches, arm, nominal)
+    likely = solved(tilted, find_delay=fit.solution.delay != 0, begin=fit.solution.widths)
+    if leans := seems_to_lean(likely, layout):
+        leant = fitted(tilted, fit.solution.widths)
+        if leans := leant.beside.surely_less_than(fit.beside):
+            # that was noise so far, about which all else was found: what slewing gears pass on, travels, winding
+            begin, rubbing = leant.solution.widths, existing(leant.solution)
+            stretches = leaning(loaded(stretches, rubbing, band), arm, nominal)
+            if turns_late:
+                about_it = partial(solved, find_delay=leant.solution.delay != 0, begin=begin)
+                travel = likeliest_travel(stretches, layout, prior, band, leant.solution, about_it)
+            bending, fit = winding_too(fitted(late(stretches, travel, band), begin), begin)
+    solution, stretches, rows = fit.solution, fit.stretches, tuple(one.rows for one in fit.solution.drives)
     unsure = width_errors(solution.normal, prior, solution.widths)
     solution = replace(solution, covariance=solution.covariance + unsure)
     bodies = _bodies(layout, arm, prior, solution, nominal)
@@ -124,7 +148,8 @@ def first_pass(
         band=band,
         rubbing=rubbing,
         travel=travel,
-        bending=bending if is_bent else None,
+        bending=bending,
+        leans=leans,
         stretches=stretches,
         problems=problems,
         parameters=_existing(bodies, solution, prior),
@@ -185,7 +210,7 @@ def _existing(bodies: Bodies, solution: Solution, prior: Prior) -> Array:
 def _with_rows(solution: Solution, rows: Sequence[DriveRows], size: int) -> Solution:
     """Return a solution with the normal equations of other rows, about the same parameters and weighted alike."""
     about = solution.parameters
-    drives = tuple(Weighed(new, new.factors(about), old.weight) for new, old in zip(rows, solution.drives, strict=True))
+    drives = tuple(Weighed.about(new, about, old.weight) for new, old in zip(rows, solution.drives, strict=True))
     return replace(solution, drives=drives, normal=normal_of(drives, solution.delay, size))
 
 
@@ -212,8 +237,8 @@ def _plain_weights(rows: Sequence[DriveRows], rival: Rival, solution: Solution, 
         for one in rows
     ]
     for _ in range(2):  # once with equal relative weights, then by the residuals of that (weighted IDIM-LS)
-        drives = tuple(Weighed(one, one.factors(about), w) for one, w in zip(rows, weights, strict=True))
+        drives = tuple(Weighed.about(one, about, w) for one, w in zip(rows, weights, strict=True))
         found = rival.fit(normal_of(drives, solution.delay, size))
         left = [one.response(solution.delay) - one.model(found) for one in rows]
         weights = [1 / max(float(np.mean(e**2)), np.finfo(float).tiny) if len(e) else 0.0 for e in left]
-    return tuple(Weighed(one, one.factors(about), w) for one, w in zip(rows, weights, strict=True))
+    return tuple(Weighed.about(one, about, w) for one, w in zip(rows, weights, strict=True))

@@ -16,6 +16,7 @@ from bench.identify.dynamics.folds import Folds
 from bench.identify.dynamics.found_arm import FoundArm
 from bench.identify.dynamics.gear_load import loaded
 from bench.identify.dynamics.held_out import HeldOut, Problems
+from bench.identify.dynamics.leaning import leaning, leant
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.presliding import late
 from bench.identify.dynamics.prior import NONE, Prior
@@ -67,6 +68,7 @@ class FirstPass:
         rubbing: The arm whose torque friction grows with.
         travel: Shape (n,) [rad] or [m], over which friction turns where it turns late; elsewhere it means nothing.
         bending: How its gears wind up; None where what was held out is not surely predicted better for it.
+        leans: Whether its gravity leans, because what was held out is surely predicted better so.
         stretches: The thinned equations.
         problems: What was solved: prior, posterior, constraints, and plain least squares.
         parameters: Shape (p,), the posterior's most probable point among bodies that can exist: the result.
@@ -84,6 +86,7 @@ class FirstPass:
     rubbing: FoundArm
     travel: Array
     bending: Bending | None
+    leans: bool
     stretches: tuple[Equations, ...]
     problems: Problems
     parameters: Array
@@ -115,6 +118,11 @@ class FirstPass:
         return np.where(self.bending.winds, self.parameters[self.layout.softness], 0.0) / self.nominal.stiffness
 
     @property
+    def gravity(self) -> Array:
+        """Shape (3,) [m/s^2], as stated or as found."""
+        return np.array(leant(self.arm.bodies, self.parameters[self.layout.lean]).gravity)
+
+    @property
     def joints(self) -> tuple[str, ...]:
         """Names of the joints."""
         return self.nominal.bodies.names
@@ -139,7 +147,8 @@ class FirstPass:
         band = band or self.band
         every = loaded([equations_of(samples, band, self.arm, self.nominal, self.top_speed)], self.rubbing, band)
         (found,) = late(every, self.travel, band)
-        return bent(found, self.bending, band) if self.bending else found
+        found = bent(found, self.bending, band) if self.bending else found
+        return leaning([found], self.arm, self.nominal)[0] if self.leans else found
 
     def predict(self, campaign: Campaign) -> Torques:
         """Return what nominal model, rival and first pass predict of another campaign; nothing is fitted.

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from bench.identify.arm import Arm
 from bench.identify.dynamics.band import Band
 from bench.identify.dynamics.equations import known_torque
+from bench.identify.dynamics.leaning import leant
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.regressor import N_INERTIAL, links_with, payload_columns
 from bench.identify.dynamics.samples import MotionSamples
@@ -84,12 +85,13 @@ def found_arm(nominal: NominalDynamics, arm: Arm, layout: Layout, parameters: Ar
         parameters: Shape (p,), of bodies that can exist.
     """
     body, payload = payload_columns(arm, nominal.load_point)
+    bodies = leant(arm.bodies, parameters[layout.lean])
 
     def carrying(one: slice) -> Arm:
         links = parameters[layout.links].reshape(layout.n, N_INERTIAL).copy()
         if layout.has_payload:
             links[body] += payload @ parameters[one]
-        return Arm(links_with(arm.bodies, links))
+        return Arm(links_with(bodies, links))
 
     arms = {recording: carrying(layout.payload_in(recording)) for recording in layout.carried}
     gas = float(parameters[layout.gas][0]) if layout.has_gas else 0.0

@@ -214,5 +214,5 @@ def _normal_of_rows(
     for one, response, mine in zip(drives, responses, rows, strict=True):
         factors = one.factors[mine]
         gram[np.ix_(one.rows.index, one.rows.index)] += one.weight * factors.T @ factors
-        right[one.rows.index] += one.weight * factors.T @ response[mine]
+        right[one.rows.index] += one.weight * factors.T @ (response + one.beyond)[mine]
     return Normal(gram, right)

@@ -39,12 +39,23 @@ class Weighed:
     Attributes:
         rows: Of the drive.
         factors: Shape (R, q).
+        beyond: Shape (R,) [Nm], what they make of these parameters beyond the model.
         weight: [1/Nm^2]; 0: the drive is left out.
     """
 
     rows: DriveRows
     factors: Array
+    beyond: Array
     weight: float
+
+    @classmethod
+    def about(cls, rows: DriveRows, parameters: Array, weight: float) -> "Weighed":
+        """Return rows linearised about parameters, shape (p,)."""
+        return cls(rows, rows.factors(parameters), rows.twice(parameters), weight)
+
+    def response(self, delay: float) -> Array:
+        """Return what the factors explain, shape (R,) [Nm], of torques read `delay` [s] later than the angles."""
+        return self.rows.response(delay) + self.beyond
 
 
 def normal_of(drives: Sequence[Weighed], delay: float, size: int) -> Normal:
@@ -59,7 +70,7 @@ def right_of(drives: Sequence[Weighed], delay: float, size: int) -> Array:
     """Return X^T W y alone, shape (p,)."""
     right = np.zeros(size)
     for one in drives:
-        right[one.rows.index] += one.weight * one.factors.T @ one.rows.response(delay)
+        right[one.rows.index] += one.weight * one.factors.T @ one.response(delay)
     return right
 
 

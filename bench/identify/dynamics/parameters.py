@@ -58,9 +58,14 @@ class Layout:
         return self._after(self.gas, self.n)
 
     @property
+    def lean(self) -> slice:
+        """How far gravity leans towards either direction across the model's [rad]."""
+        return self._after(self.softness, 2)
+
+    @property
     def gain(self) -> slice:
         """Relative errors of the torques that are read."""
-        return self._after(self.softness, self.n)
+        return self._after(self.lean, self.n)
 
     @property
     def delay(self) -> int:

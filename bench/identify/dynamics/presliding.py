@@ -163,5 +163,5 @@ def _with_more(solution: Solution, rows: DriveRows, where: int, more: Array) -> 
     gram[where, rows.index] += gained
     gram[rows.index, where] += gained
     gram[where, where] += one.weight * float(more @ more)
-    right[where] += one.weight * float(more @ rows.response(solution.delay))
+    right[where] += one.weight * float(more @ one.response(solution.delay))
     return Normal(gram, right)

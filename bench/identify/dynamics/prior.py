@@ -15,7 +15,8 @@ from bench.robot.nominal_dynamics import NominalDynamics
 
 UPPER = ((0, 0, 1, 0, 1, 2), (0, 1, 1, 2, 2, 2))  # exact: Pinocchio's order of the six entries of an inertia
 
-
+# assumed: [rad], as the catalogue has it of a floor: bases commonly are level to 0.1 to 0.5 deg, ISO 9283 as makers say
+LEVEL = 1e-2
 WIDER = np.sqrt(10.0)  # effort: between one width and the next that is tried
 
 WIDEST = 6  # effort: a thousand times what was stated; as good as unknown
@@ -203,8 +204,9 @@ def weighed(nominal: NominalDynamics, campaign: Campaign) -> NominalDynamics:
 def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Array, speed_rms: Array) -> Prior:
     """Return the prior of a robot.
 
-    Masses, centres, rotors, friction, gas and stiffness are known as `uncertainty` of the figures says; friction that
-    is not stated is free up to what the whole torque of a joint could be, and so is an offset that is not.
+    Masses, centres, rotors, friction, gas and stiffness are known as `uncertainty` of the figures says, and a base is
+    as level as is common; friction that is not stated is free up to what the whole torque of a joint could be, and so
+    is an offset that is not.
 
     Args:
         layout: Of the parameters.
@@ -252,6 +254,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
             free,
         )
     put(layout.softness, 1.0, drives.stiffness, free)
+    put(layout.lean, 0.0, LEVEL, free)
     offset, *optional = (np.zeros((n, layout.size, layout.size)) for _ in range(1 + len(OPTIONAL)))
     every = np.arange(layout.size)
     rolls = torque_rms / np.where(speed_rms > 0, speed_rms, 1.0) ** ROLLING_POWER

@@ -6,13 +6,14 @@ from typing import Literal
 import numpy as np
 
 from bench.identify.dynamics.found import FirstPass
+from bench.identify.dynamics.leaning import AXES, axes_across
 from bench.identify.dynamics.presliding import level_of
 from bench.identify.dynamics.prior import SELDOM
 from bench.identify.dynamics.regressor import NAMES
 from bench.identify.told import is_told
 from bench.record.campaign import Array
 
-Kind = Literal["payload", "gas", "friction", "inertia", "drive"]
+Kind = Literal["payload", "gas", "level", "friction", "inertia", "drive"]
 DRIVE = {  # column -> name, its unit for a hinge and for a slide
     "coulomb": ("Coulomb friction", "Nm", "N"),
     "viscous": ("viscous friction", "Nm s/rad", "N s/m"),
@@ -71,7 +72,7 @@ class Quantity:
 
 
 def quantities(found: FirstPass) -> tuple[Quantity, ...]:
-    """Return all quantities of a first pass: payload and gas, friction, base inertial parameters, torque scales."""
+    """Return all quantities of a first pass: payload, gas, lean, friction, base inertial parameters, torque scales."""
     layout, every = found.layout, np.eye(found.layout.size)
     result: list[Quantity] = []
     beforehand = found.prior.covariance(found.solution.widths)
@@ -86,6 +87,9 @@ def quantities(found: FirstPass) -> tuple[Quantity, ...]:
         add("payload", name, "kg", every[where.start])
     if layout.has_gas:
         add("gas", "gas of the counterbalance", "of full", every[layout.gas.start])
+    if found.leans:  # named as in the catalogue of effects
+        for axis, row in zip(axes_across(found.arm.bodies), every[layout.lean], strict=True):
+            add("level", f"floor out of level, lean towards {AXES[axis]}", "rad", row)
     for column in (name for name in DRIVE if name != "presliding"):
         name, *units = DRIVE[column]
         for joint, row in enumerate(every[layout.of_drives(column)]):

@@ -16,6 +16,8 @@ from bench.identify.dynamics.regressor import N_INERTIAL, payload_columns
 from bench.record.campaign import Array
 from bench.robot.nominal_dynamics import NominalDynamics
 
+LEAN = slice(-3, -1)  # exact: columns of either lean, before that of the gain
+
 
 @dataclass(frozen=True)
 class DriveRows:
@@ -26,6 +28,8 @@ class DriveRows:
         index: Shape (q,), which parameters they hold; the last is the gain of the drive's torque.
         constant: Shape (R, q), factors of the parameters; those of the gain are zero.
         gas: Which columns are errors of the gas law's shape, per unit of gas amount; empty without gas.
+        leaning: Shape (R, 2, m + 1), what the first m of the parameters, and the known mass, weigh across gravity, per
+            unit of how far it leans; (R, 0, m + 1) where it does not.
         known: Shape (R,) [Nm], torque for the known load.
         torque: Filtered torque of each stretch, as curves that the rows read [Nm].
         segment: Shape (R,), number of the uninterrupted piece of motion that a row belongs to.
@@ -37,6 +41,7 @@ class DriveRows:
     index: NDArray[np.int64]
     constant: Array
     gas: slice
+    leaning: Array
     known: Array
     torque: Curves
     segment: NDArray[np.int64]
@@ -59,18 +64,44 @@ class DriveRows:
     def factors(self, parameters: Array) -> Array:
         """Return the factors of the parameters about given ones, shape (R, q).
 
-        An error of the gas law's shape counts by the gas there is, and the gain by the whole torque.
+        An error of the gas law's shape counts by the gas there is, the gain by the whole torque, and masses by gravity
+        as it leans.
         """
         found = self._at(parameters)
         own = parameters[self.index].copy()
         own[-1] = 0.0
         found[:, -1] = found @ own
+        if self._leans:
+            found[:, : self._heavy] += self._across(own)
         return found
+
+    def twice(self, parameters: Array) -> Array:
+        """Return what factors about parameters times these exceed the model by, shape (R,) [Nm].
+
+        What weighs across a gravity that leans goes with the lean and with masses, so both have it.
+        """
+        own = parameters[self.index]
+        return self._across(own) @ own[: self._heavy] if self._leans else np.zeros(len(self))
+
+    @property
+    def _leans(self) -> bool:
+        return bool(self.leaning.shape[1])
+
+    @property
+    def _heavy(self) -> int:
+        """How many of the first parameters weigh anything."""
+        return int(self.leaning.shape[2]) - 1
+
+    def _across(self, own: Array) -> Array:
+        """Return what the parameters of links and payloads weigh more because gravity leans, shape (R, m)."""
+        return np.asarray(np.einsum("rlm,l->rm", self.leaning[:, :, :-1], own[LEAN]))
 
     def _at(self, parameters: Array) -> Array:
         found = self.constant.copy()
         if self.gas.stop > self.gas.start:
             found[:, self.gas] *= parameters[self.index[self.gas.start - 1]]
+        if self._leans:
+            found[:, LEAN] = self.leaning @ np.append(parameters[self.index[: self._heavy]], 1.0)
         return found
 
 
@@ -86,19 +117,25 @@ def drive_rows(
     every = np.arange(layout.size)
     loads = np.concatenate([np.empty(0, dtype=np.int64), *(every[one] for one in layout.payloads)])
     parts = [every[layout.links], loads, every[own], *([every[layout.gas]] if has_gas else [])]
-    index = np.concatenate([*parts, every[layout.softness], [layout.gain.start + drive]])
+    index = np.concatenate([*parts, every[layout.softness], every[layout.lean], [layout.gain.start + drive]])
     shape = sum(map(len, parts)) - len(GAS_SHAPE)
     used = [np.flatnonzero(part.moves[:, drive]) for part in equations]
-    tables, segments, n_segments = [], [], 0
+    tables, leaning, segments, n_segments = [], [], [], 0
     for part, rows in zip(equations, used, strict=True):
         links = part.links[rows, drive]
+        across = part.leaning[rows, drive]
         carried = np.zeros((len(rows), len(loads)))
+        carried_across = np.zeros((*across.shape[:2], len(loads)))
         if layout.has_payload:
             inside = np.isin(loads, every[layout.payload_in(part.samples.recording)])
-            carried[:, inside] = links[:, N_INERTIAL * body : N_INERTIAL * (body + 1)] @ payload
+            of_body = slice(N_INERTIAL * body, N_INERTIAL * (body + 1))
+            carried[:, inside] = links[:, of_body] @ payload
+            carried_across[:, :, inside] = across[:, :, of_body] @ payload
+        leaning.append(np.concatenate([across[:, :, :-1], carried_across, across[:, :, -1:]], axis=2))
         gas = part.gas[rows] if has_gas else np.zeros((len(rows), 0))
-        own_gain = np.zeros((len(rows), 1))
-        tables.append(np.hstack([links, carried, part.drives[rows, drive], gas, part.winding[rows, drive], own_gain]))
+        lean_and_gain = np.zeros((len(rows), 2 + 1))
+        own_factors = part.drives[rows, drive], gas, part.winding[rows, drive]
+        tables.append(np.hstack([links, carried, *own_factors, lean_and_gain]))
         breaks = np.concatenate([[0], np.cumsum(np.diff(rows) > 1)])[: len(rows)]
         segments.append(breaks + n_segments)
         n_segments += int(breaks[-1]) + 1 if len(rows) else 0
@@ -107,6 +144,7 @@ def drive_rows(
         index=index,
         constant=np.vstack(tables),
         gas=slice(shape, shape + len(GAS_SHAPE)) if has_gas else slice(0, 0),
+        leaning=np.concatenate(leaning),
         known=np.concatenate([part.known[rows, drive] for part, rows in zip(equations, used, strict=True)]),
         torque=Curves.of(
             [_curve(part, drive, band) for part in equations],

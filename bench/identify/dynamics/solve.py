@@ -84,8 +84,7 @@ def solve(
         # counts less would fit worse, seem to remember for longer, and count still less.
         with_memory = trial >= PASSES
         drives = tuple(
-            Weighed(one, one.factors(parameters), _weight(left, with_memory))
-            for one, left in zip(rows, noise, strict=True)
+            Weighed.about(one, parameters, _weight(left, with_memory)) for one, left in zip(rows, noise, strict=True)
         )
         normal = normal_of(drives, delay, size)
         widths = likeliest_widths(normal, prior, widths)
@@ -157,7 +156,7 @@ def _delay(drives: Sequence[Weighed], normal: Normal, prior: Prior, widths: Widt
 def _misfit(drives: Sequence[Weighed], normal: Normal, prior: Prior, covariance: Array, delay: float) -> float:
     """Return minus twice the logarithm of the posterior of a delay, all parameters fitted, up to a constant."""
     size = len(prior.mean)
-    squares = sum(one.weight * float(np.sum(one.rows.response(delay) ** 2)) for one in drives)
+    squares = sum(one.weight * float(np.sum(one.response(delay) ** 2)) for one in drives)
     right = right_of(drives, delay, size)
     missing = right - normal.gram @ prior.mean
     return float(squares - 2 * right @ prior.mean - missing @ covariance @ missing)

@@ -46,6 +46,7 @@ def as_json(result: Dynamics, level: float) -> dict[str, object]:
             for one in result.quantities
         ],
         "axes": AXES,
+        "gravity_m_per_s2": to_jsonable(found.gravity),
         "links": _links(found),
         "compliance_rad_per_nm": None if found.compliance is None else to_jsonable(found.compliance),
         "held_out_by": found.folds.by,

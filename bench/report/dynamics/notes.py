@@ -8,8 +8,8 @@ import numpy as np
 from bench.identify.dynamics.coupled import coupled_motors
 from bench.identify.dynamics.found import FirstPass, Torques
 from bench.identify.dynamics.held_out import HeldOut
-from bench.identify.dynamics.leaning import leaning_of
 from bench.identify.dynamics.prior import WIDER
+from bench.identify.dynamics.quantities import quantities
 from bench.identify.dynamics.warming import Warming, warming_of
 from bench.report.dynamics.words import REPETITION
 
@@ -33,14 +33,7 @@ def notes_of(found: FirstPass, predicted: Mapping[Path, Torques]) -> Iterator[st
             f"own: its friction then explains {one.explained:.0%} of what is left of {one.joint}. Motors that turn "
             f"with two joints are not modelled, so friction, rotors and masses of both may be wrong by it."
         )
-    if leaning := leaning_of(found):
-        shares = ", ".join(f"{share:.0%} of what is left of {joint}" for joint, share in leaning.explained.items())
-        yield (
-            f"Gravity seems to lean by {1e3 * leaning.lean:.2g} +- {1e3 * leaning.sigma:.1g} mrad against the model's, "
-            f"which explains {shares}. It is not fitted here, so masses and friction may be wrong by it: level the "
-            f"base, or measure how it leans and write gravity into <option> of the MJCF, about "
-            f'"{" ".join(f"{g:.4f}" for g in leaning.gravity)}". What is written there counts as exact.'
-        )
+    yield from _leaning_notes(found)
     if found.folds.repeats:
         yield f"{REPETITION}; give one with --held-out."
     for joint, noise in zip(found.joints, found.solution.noise, strict=True):
@@ -81,6 +74,22 @@ def notes_of(found: FirstPass, predicted: Mapping[Path, Torques]) -> Iterator[st
             else "all runs are taken to carry the same."
         )
         yield f"The payload is told against the stated masses of the links; {carried}"
+
+
+def _leaning_notes(found: FirstPass) -> Iterator[str]:
+    """Yield how gravity leans, with what to write into the MJCF; nothing where it does not."""
+    if not found.leans:
+        return
+    told = [one for one in quantities(found) if one.kind == "level"]
+    each = ((one, one.name.split(", lean ")[1]) for one in told)
+    words = " and ".join(f"{1e3 * one.value:.2g} +- {1e3 * one.sigma:.1g} mrad {way}" for one, way in each)
+    open_ones = "".join(f" These data do not tell its {one.name.split(', ')[1]}." for one in told if not one.told)
+    yield (
+        f"The floor is out of level, and leans by {words} in the frame of the base, as fitted with all else."
+        f"{open_ones} Level the base, or check that with a spirit level and write gravity into <option> of the MJCF, "
+        f'"{" ".join(f"{g:.4f}" for g in found.gravity)}"; what is written there counts as exact. `bench diagnose` '
+        "names it with all other causes."
+    )
 
 
 def warming_notes(warming: Warming | None) -> Iterator[str]:

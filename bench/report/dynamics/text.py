@@ -24,6 +24,7 @@ TERMS = 3  # of a base parameter, that the terminal has room for; dynamics.json 
 TITLES = {
     "payload": "payload and counterbalance",
     "gas": "payload and counterbalance",
+    "level": "gravity in the frame of the base",
     "friction": "friction and offsets",
     "inertia": "base inertial parameters",
     "drive": "torque scale",
