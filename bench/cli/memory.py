@@ -7,7 +7,7 @@ import sys
 from bench.errors import MORE_MEMORY, UNMAPPED
 
 TRIM, MMAP = -1, -3  # M_TRIM_THRESHOLD and M_MMAP_THRESHOLD of glibc's malloc.h
-UNALLOCATED = ("could not allocate memory", "bad_alloc", "can't start new thread")  # of MuJoCo, C++ and Python
+UNALLOCATED = ("ould not allocate memory", "bad_alloc", "can't start new thread")  # of MuJoCo, C++ and Python
 UNKNOWN_IN_C = (
     "Caught an unknown exception!"  # pybind11 of any exception that it does not know, of MuJoCo's allocations
 )

@@ -137,6 +137,7 @@ UNMAPPED = "librerun.so: failed to map segment from shared object"
         (ImportError(UNMAPPED, name="rerun_bindings"), 2, f"too little memory ({UNMAPPED}); give it more (ulimit -v"),
         (ModuleNotFoundError("No module named 'rerun'", name="rerun"), 6, "install the bench again"),
         (OSError(24, "Too many open files", "x.so"), 2, "Too many open files; let it open more (ulimit -n)"),
+        (RuntimeError("Could not allocate memory"), 2, "too little memory (Could not allocate memory)"),  # of MuJoCo
         (MemoryError("Unable to allocate 5. GiB"), 2, "too little memory (Unable to allocate 5. GiB); give it more"),
     ],
 )
