@@ -121,6 +121,23 @@ def test_the_m_of_a_moment_is_still_one(name: str, kind: str) -> None:
     assert family.kind == kind
 
 
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("JT{}_SPD[deg/s]", "velocity"),
+        ("Achse {} [Grad/s]", "velocity"),
+        ("axis_{}_rad_per_s", "velocity"),
+        ("drive{}.rpm", "velocity"),
+        ("joint{} [deg/s^2]", "acceleration"),
+        ("Nm{}[Nm/s]", "unknown"),
+    ],
+)
+def test_an_angle_by_time_is_a_rate(name: str, kind: str) -> None:
+    """Speeds in deg/s were held against the masses as torques, or were the angles of joints."""
+    (family,) = families_by_name([name.format(j) for j in JOINTS], ())
+    assert (family.kind, family.numbers) == (kind, JOINTS)
+
+
 def test_what_a_log_does_not_tell_is_not_proposed(
     tmp_path: Path, arm: NominalDynamics, motion: stranger.Motion
 ) -> None:

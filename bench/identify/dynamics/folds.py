@@ -40,6 +40,20 @@ class Folds:
     def __len__(self) -> int:
         return len(self.names)
 
+    def parts(self) -> tuple[tuple[NDArray[np.int64], ...], int]:
+        """Return the part of each instant of a stretch (-1: never held out), and how many parts there are.
+
+        Few folds are cut in time, into no more parts than the only run has blocks: two runs of which each is held out
+        whole are two numbers, whose scatter hardly tells what is sure, and one run of their length is eight.
+        """
+        each = max(BLOCKS // len(self), 1)
+        every = np.concatenate(self.of)
+        part = np.full(len(every), -1)
+        for fold in range(len(self)):
+            mine = np.flatnonzero(every == fold)
+            part[mine] = each * fold + np.arange(len(mine)) * each // max(len(mine), 1)
+        return tuple(np.split(part, np.cumsum([len(of) for of in self.of])[:-1])), each * len(self)
+
 
 def folds_of(stretches: Sequence[Equations]) -> Folds:
     """Return the folds of a campaign.

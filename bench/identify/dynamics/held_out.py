@@ -43,12 +43,12 @@ class HeldOut:
 
 @dataclass(frozen=True)
 class Missed:
-    """How far a posterior misses what it was not given; K folds, n drives.
+    """How far a posterior misses what it was not given; P parts of what is held out at a time, n drives.
 
     Attributes:
-        squares: Shape (K, n) [Nm^2], sums over what was held out.
-        expected: Shape (K, n) [Nm^2], what the posterior without the fold expects of them: noise and its own errors.
-        readings: Shape (K, n), how many were held out.
+        squares: Shape (P, n) [Nm^2], sums over what was held out.
+        expected: Shape (P, n) [Nm^2], what the posterior without the fold expects of them: noise and its own errors.
+        readings: Shape (P, n), how many were held out.
     """
 
     squares: Array
@@ -72,7 +72,7 @@ class Missed:
         return float(np.sum(np.log(squares[squares > 0])))
 
     def surely_less_than(self, other: "Missed", worse: float = MUCH) -> bool:
-        """Return whether less is missed than by another model, by more than folds differ, and no drive surely by more.
+        """Return whether less is missed than by another model, by more than parts differ, and no drive surely by more.
 
         Each drive counts by the logarithm of its error, which is its likelihood with unknown noise.
 
@@ -99,7 +99,7 @@ def surely_positive(gain: Array) -> NDArray[np.bool_]:
     unsure.
 
     Args:
-        gain: Shape (K, n) [nats], of each fold; K of 2 or more.
+        gain: Shape (P, n) [nats], of each part of what is held out; P of 2 or more.
     """
     root = np.sign(gain) * np.sqrt(np.abs(gain))
     least = stats.t.ppf(SURE, len(root) - 1) * root.std(axis=0, ddof=1) / np.sqrt(len(root))
@@ -108,7 +108,8 @@ def surely_positive(gain: Array) -> NDArray[np.bool_]:
 
 def missed(solution: Solution, prior: Prior, folds: Folds) -> Missed:
     """Return how far the posterior without each fold misses it, at the noise that the solution has."""
-    size, late, shape = len(prior.mean), solution.delay, (len(folds), len(solution.drives))
+    parts, count = folds.parts()
+    size, late, shape = len(prior.mean), solution.delay, (count, len(solution.drives))
     squares, expected, readings = np.zeros(shape), np.zeros(shape), np.zeros(shape)
     responses = [one.rows.response(late) for one in solution.drives]
     for fold in range(len(folds)):
@@ -120,9 +121,12 @@ def missed(solution: Solution, prior: Prior, folds: Folds) -> Missed:
             if noise is None or not mine.any():
                 continue
             factors, own = one.factors[mine], covariance[np.ix_(one.rows.index, one.rows.index)]
-            squares[fold, j] = np.sum((responses[j][mine] - one.rows.model(parameters)[mine]) ** 2)
-            expected[fold, j] = mine.sum() * noise.variance + np.sum((factors @ own) * factors)
-            readings[fold, j] = mine.sum()
+            error = (responses[j][mine] - one.rows.model(parameters)[mine]) ** 2
+            unsure = noise.variance + np.sum((factors @ own) * factors, axis=1)
+            part = _parts_of(one, parts)[mine]
+            squares[:, j] += np.bincount(part, error, minlength=count)
+            expected[:, j] += np.bincount(part, unsure, minlength=count)
+            readings[:, j] += np.bincount(part, minlength=count)
     return Missed(squares, expected, readings)
 
 
@@ -204,6 +208,15 @@ def _rows_of(drive: Weighed, folds: Folds, fold: int, near: bool) -> NDArray[np.
         mine = rows.stretch == stretch
         instant = rows.instant[mine]
         found[mine] = (of[instant] == fold) | (beside[instant, fold] if near else False)
+    return found
+
+
+def _parts_of(drive: Weighed, parts: Sequence[NDArray[np.int64]]) -> NDArray[np.int64]:
+    """Return in which part of what is held out each row of a drive is, shape (R,)."""
+    rows, found = drive.rows, np.full(len(drive.rows), -1)
+    for stretch, part in enumerate(parts):
+        mine = rows.stretch == stretch
+        found[mine] = part[rows.instant[mine]]
     return found
 
 

@@ -12,7 +12,10 @@ COMMANDED = {"target", "cmd", "command", "commanded", "des", "desired", "set", "
 WORDS: tuple[tuple[Kind, frozenset[str]], ...] = (
     ("temperature", frozenset({"temp", "temps", "temperature", "temperatures"})),
     ("acceleration", frozenset({"qdd", "ddq", "acc", "accel", "acceleration"})),
-    ("velocity", frozenset({"qd", "dq", "vel", "velo", "velocity", "velocities", "speed", "qdot", "omega"})),
+    (
+        "velocity",
+        frozenset({"qd", "dq", "vel", "velo", "velocity", "velocities", "speed", "spd", "rpm", "qdot", "omega"}),
+    ),
     ("current", frozenset({"current", "currents", "curr", "cur", "amp", "amps", "i", "iq", "strom"})),
     ("torque", frozenset({"torque", "torques", "tau", "effort", "trq", "moment", "drehmoment"})),
     ("link", frozenset({"link", "secondary", "abtrieb"})),
@@ -32,6 +35,7 @@ ANGLES = {unit for unit, foreign in FOREIGN.items() if foreign.si == "rad"} | {"
 LISTS = {"position", "velocity", "effort"}  # of a JointState, with the names of joints behind a dot
 _INDEX = re.compile(r"\d+")
 _UNIT_AT_END = re.compile(r"(?:[_\s.]|[\[(])([A-Za-z°]+)[\])]?$")
+_RATE_AT_END = re.compile(r"(?P<unit>[A-Za-z°]+)(?:/|_per_)(?:s|sec|min)(?P<twice>(?:\^|\*\*)?2|²|/s)?[\])]?$", re.I)
 
 
 def clocks(names: Sequence[str]) -> list[str]:
@@ -48,10 +52,21 @@ def unit_of(name: str) -> str:
     return word if word in FOREIGN or word in SI else ""
 
 
+def rate_of(name: str) -> Kind | None:
+    """Return what an angle or a way by time at the end of a name tells: "A1 [deg/s]" is a velocity; None if none is."""
+    rate = _RATE_AT_END.search(name)
+    unit = rate["unit"].lower() if rate else ""
+    unit = WORDS_OF_UNITS.get(unit, unit)
+    if rate is None or BY_UNIT.get(FOREIGN[unit].si if unit in FOREIGN else unit) != "position":
+        return None
+    return "acceleration" if rate["twice"] else "velocity"
+
+
 def families_by_name(names: Sequence[str], joints: Sequence[str]) -> list[Family]:
     """Return what names tell of columns that go by the drives; columns are listed by number of the drive.
 
-    Where no word says the quantity its unit does; what has neither is unknown.
+    An angle or a way by time is a rate, whatever words say ("axis"). Else, where no word says the quantity, its unit
+    does; what has neither is unknown.
 
     Args:
         names: Of the columns.
@@ -75,12 +90,19 @@ def families_by_name(names: Sequence[str], joints: Sequence[str]) -> list[Family
         measured = FOREIGN[unit].si if unit in FOREIGN else unit
         by_unit = BY_UNIT.get(measured, "unknown")
         by_word = next((kind for kind, known in WORDS if known & set(words) and _fits(kind, unit, by_unit)), None)
-        kind = by_word or by_unit
+        rate = rate_of(members[0][1])
+        kind = rate or by_word or by_unit
         ordered = sorted(members, key=lambda member: member[0])
         numbers = tuple(number - min(first, 1) + 1 for number, _ in ordered)
         numbers = numbers if len(set(numbers)) == len(numbers) else ()  # no numbers: in the order of the log
         sources = tuple(name for _, name in ordered)
-        why = "by name" if by_word else f"unit {unit} in its name" if kind != "unknown" else "moves with the robot"
+        why = (
+            "by name"
+            if rate or by_word
+            else f"unit {unit} in its name"
+            if kind != "unknown"
+            else "moves with the robot"
+        )
         family = Family(kind, bool(COMMANDED & set(words)), sources, unit, why, numbers)
         bare = stem if not unit else _UNIT_AT_END.sub("", stem)
         alike = found.setdefault(bare, [])
@@ -130,7 +152,8 @@ def _stem(name: str, joints: Sequence[str]) -> tuple[str, int | None]:
     for number, joint in enumerate(joints):
         if joint and (found := re.search(rf"(?<![A-Za-z0-9]){re.escape(joint)}(?![A-Za-z0-9])", name, re.IGNORECASE)):
             return f"{name[: found.start()]}*{name[found.end() :]}", number
-    if digits := list(_INDEX.finditer(name)):
+    rate = _RATE_AT_END.search(name)  # whose exponent is no number of a drive
+    if digits := list(_INDEX.finditer(name, 0, rate.start() if rate else len(name))) or list(_INDEX.finditer(name)):
         last = digits[-1]
         return f"{name[: last.start()]}*{name[last.end() :]}", int(last[0])
     before, dot, _ = name.rpartition(".")

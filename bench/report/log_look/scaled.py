@@ -253,7 +253,7 @@ def _contradictions(key: str, stated: Array, scale: DriveScale, nominal: Nominal
     if off:
         yield (
             f"{key} of the figures is used, but this log contradicts it: {'; '.join(off)}. Look at that figure, the "
-            "unit, the payload and the masses"
+            "unit, the payload, the masses, and a spring or balancer that the model lacks"
         )
 
 

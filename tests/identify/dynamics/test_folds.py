@@ -1,6 +1,7 @@
 """What is held out: whole runs, there and back together; blocks with gaps where there is one run."""
 
 import numpy as np
+import pytest
 
 from bench.identify.arm import Arm
 from bench.identify.dynamics.band import Band
@@ -29,6 +30,18 @@ def test_runs_are_folds(rng: np.random.Generator) -> None:
     assert folds.by == "run"
     assert folds.names == ("r0", "r1", "r2")
     assert not folds.repeats
+
+
+@pytest.mark.parametrize(("runs", "parts"), [(1, BLOCKS), (2, BLOCKS), (3, 6), (5, 5), (9, 9)])
+def test_few_folds_are_cut_in_time(rng: np.random.Generator, runs: int, parts: int) -> None:
+    """What is gained is held against how its parts differ: two runs of which each is held out whole are two numbers."""
+    folds = folds_of([stretch(f"r{k}", path) for k, path in enumerate(paths(rng, runs))])
+    part, count = folds.parts()
+    assert count == parts
+    assert set(np.concatenate(part)) == set(range(count))
+    for own, of in zip(part, folds.of, strict=True):
+        np.testing.assert_array_equal(own // (count // len(folds)), of)
+        assert np.all(np.diff(own) >= 0)
 
 
 def test_there_and_back_is_one_fold(rng: np.random.Generator) -> None:
