@@ -11,8 +11,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from tests.small_robot import write_small_robot
+
+settings.register_profile("bench", deadline=None)  # machines are shared: nothing is said of seconds
+settings.load_profile("bench")
 
 # A shell that runs the tests in the background lets them ignore Ctrl-C, and so the processes that they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)

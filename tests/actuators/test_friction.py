@@ -141,7 +141,7 @@ def test_six_joints_come_to_rest_and_hold():
     np.testing.assert_array_less(np.abs(data.actuator_force - held), MOST_LOST * COULOMB)
 
 
-@settings(deadline=None, derandomize=True)
+@settings(derandomize=True)
 @given(st.lists(st.integers(-400, 400), min_size=1, max_size=60), st.integers(-90, 90), st.integers(-80, 80))
 def test_friction_gives_no_energy(strides: list[int], asymmetry: int, start: int):
     """What is taken out never exceeds what the spring of the element had stored, for any path and any levels.

@@ -11,7 +11,7 @@ from tests.actuators.slider import TIMESTEP, Array, follow, slider
 AGREEMENT = 1e-9  # relative to the largest force, or 1 N: the same formulas in the same order, only rounding is left
 STEPS = 60
 
-reproducible = settings(deadline=None, derandomize=True, max_examples=60)
+reproducible = settings(derandomize=True, max_examples=60)
 unit = st.integers(0, 1000).map(lambda thousandths: thousandths / 1000)
 seeds = st.integers(0, 2**32 - 1)
 

@@ -39,7 +39,7 @@ def dense(model):
     return model.regressor.reshape(3 * m, -1), offsets, model.response.ravel(), covariance
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(lengths=st.lists(st.integers(2, 5), min_size=1, max_size=4), seed=st.integers(0, 2**32 - 1))
 def test_free_offsets_are_dummy_variables(lengths, seed):
     model = random_model(lengths, seed)

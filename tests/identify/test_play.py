@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from bench.identify.play import play
@@ -35,7 +35,6 @@ def test_series_do_not_know_of_each_other():
     np.testing.assert_allclose(found.torque[:, 0], [0, 10, 0, 5])
 
 
-@settings(deadline=None)
 @given(
     torques=st.lists(st.floats(-100, 100), min_size=2, max_size=20),
     level=st.floats(0.1, 50),

@@ -74,7 +74,7 @@ def campaigns(draw: st.DrawFn) -> Campaign:
 
 
 @pytest.mark.parametrize("table_format", ["csv", "parquet"])
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(campaign=campaigns())
 def test_round_trip_is_exact(table_format: TableFormat, campaign: Campaign) -> None:
     with TemporaryDirectory() as folder:
@@ -96,7 +96,6 @@ def test_round_trip_is_exact(table_format: TableFormat, campaign: Campaign) -> N
             assert not values.flags.writeable
 
 
-@settings(deadline=None)
 @given(values=st.lists(st.floats(allow_nan=False), max_size=20))
 def test_csv_keeps_every_float(values: list[float]) -> None:
     with TemporaryDirectory() as folder:
@@ -130,7 +129,7 @@ cells = st.sampled_from(
 ) | st.floats(allow_nan=False, allow_infinity=False).map(repr)
 
 
-@settings(deadline=None, max_examples=300)
+@settings(max_examples=300)
 @given(rows=st.lists(st.lists(cells, min_size=2, max_size=2), max_size=4), end=st.sampled_from(["\n", "\r\n", "\r"]))
 def test_both_ways_to_read_csv_agree(rows: list[list[str]], end: str) -> None:
     data = end.join(["x,y", *(",".join(row) for row in rows), ""]).encode()
@@ -145,7 +144,6 @@ def test_both_ways_to_read_csv_agree(rows: list[list[str]], end: str) -> None:
         }
 
 
-@settings(deadline=None)
 @given(rows=st.lists(st.lists(st.floats(-1e300, 1e300), min_size=2, max_size=2), min_size=1))
 def test_plain_numbers_are_read_quickly(rows: list[list[float]]) -> None:
     data = "\n".join(["x,y", *(",".join(map(repr, row)) for row in rows)]).encode()
@@ -154,7 +152,7 @@ def test_plain_numbers_are_read_quickly(rows: list[list[float]]) -> None:
     assert np.stack(list(content[1].values()), axis=1).tolist() == rows
 
 
-@settings(deadline=None, max_examples=150)
+@settings(max_examples=150)
 @given(data=st.data(), kind=st.sampled_from(["static", "motion"]), arm=st.sampled_from([None, ARM]))
 def test_rules_bear_any_number(data: st.DataObject, kind: RunKind, arm: Arm | None) -> None:
     names = data.draw(st.lists(st.sampled_from([name.replace("_i_", "_1_").replace("_k_", "_2_") for name in NAMES])))
@@ -205,7 +203,7 @@ junk = st.binary(max_size=6) | st.sampled_from(
 
 
 @pytest.mark.parametrize("table_format", ["csv", "parquet"])
-@settings(deadline=None, max_examples=150)
+@settings(max_examples=150)
 @given(data=st.data())
 def test_damage_is_refused_or_harmless(table_format: TableFormat, data: st.DataObject) -> None:
     files = HEALTHY_FILES[table_format]

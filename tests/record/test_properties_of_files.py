@@ -19,7 +19,7 @@ from bench.robot.folder import load_robot
 from tests.record.build import motion, sweep, write_folder
 from tests.small_robot import FIGURES, write_small_robot
 
-EXAMPLES = settings(deadline=None, max_examples=80)
+EXAMPLES = settings(max_examples=80)
 words = st.text(st.characters(codec="utf-8"), max_size=20)
 scalars = (
     st.none()

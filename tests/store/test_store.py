@@ -36,7 +36,7 @@ def store(tmp_path: Path) -> Store:
     return Store(tmp_path / "store")
 
 
-@settings(deadline=None, max_examples=50)  # every write waits for the disk
+@settings(max_examples=50)  # every write waits for the disk
 @given(arrays=ARRAYS)
 def test_round_trip(arrays: dict[str, NDArray[Any]], tmp_path_factory: pytest.TempPathFactory) -> None:
     store = Store(tmp_path_factory.mktemp("store"))
@@ -173,7 +173,7 @@ def test_what_was_not_used_for_longest_gives_way(tmp_path: Path) -> None:
     assert set(store.known()) == {keys[0], keys[2], keys[3], keys[4]}
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(sizes=st.lists(st.integers(0, 3000), min_size=1, max_size=12), same=st.booleans())
 def test_the_limit_always_holds(sizes: list[int], same: bool, tmp_path_factory: pytest.TempPathFactory) -> None:
     store = Store(tmp_path_factory.mktemp("store"), limit_bytes=5000)
