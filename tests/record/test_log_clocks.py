@@ -77,34 +77,30 @@ def test_another_table_with_its_own_clock(tmp_path: Path) -> None:
         convert(tmp_path, form, "mine")
 
 
-@pytest.mark.parametrize(("factor", "unit"), [(1e-3, ""), (1.0, "milliseconds"), (1e3, "microseconds")])
+def with_beside(folder: Path, rows: str, channel: str, time_s: dict[str, object]) -> LogFormat:
+    """Write a log of two seconds and a table beside it, and return the format that takes one channel out of that."""
+    log(folder, "a.csv", "t,q\n" + "".join(f"{k * 0.004:.3f},{k * 1e-3:.4f}\n" for k in range(500)))
+    log(folder, "a_other.csv", "clock,x\n" + rows)
+    columns = {"time_s": {"from": "t"}, "q_motor_1_rad": {"from": "q"}, channel: {"from": "x", "table": "other"}}
+    tables = {"other": {"file": "*_other.csv", "time_s": {"from": "clock"} | time_s}}
+    return LogFormat.model_validate({"columns": columns, "tables": tables})
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1e-3, ""), (1.0, "ms"), (1e3, "us")])
 def test_another_table_whose_clock_has_a_finer_unit_is_told(tmp_path: Path, factor: float, unit: str) -> None:
     """In milliseconds its first rows were spread over the whole log, without a word."""
-    log(tmp_path, "a.csv", "t,q\n" + "".join(f"{k * 0.004:.3f},{k * 1e-3:.4f}\n" for k in range(500)))
-    log(tmp_path, "a_force.csv", "ms,fz\n" + "".join(f"{20 * k - 30},{k}\n" for k in range(105)))
-    columns = {
-        "time_s": {"from": "t"},
-        "q_motor_1_rad": {"from": "q"},
-        "force_z_n": {"from": "fz", "table": "force"},
-    }
-    tables = {"force": {"file": "*_force.csv", "time_s": {"from": "ms", "factor": factor}}}
-    form = LogFormat.model_validate({"columns": columns, "tables": tables})
+    rows = "".join(f"{20 * k - 30},{k}\n" for k in range(105))
+    form = with_beside(tmp_path, rows, "force_z_n", {"factor": factor})
     warnings = convert(tmp_path, form, "mine").warnings
     assert len(warnings) == bool(unit)
     if unit:
-        assert f"in {unit}? then write `factor: {1e-3 / factor:g}` in `tables: force: time_s`" in str(warnings[0])
+        assert f"in {unit}? then write `factor: {1e-3 / factor:g}` in `tables: other: time_s`" in str(warnings[0])
 
 
 def test_a_table_of_the_whole_day_is_no_finer_unit(tmp_path: Path) -> None:
-    log(tmp_path, "a.csv", "t,q\n" + "".join(f"{k * 0.004:.3f},{k * 1e-3:.4f}\n" for k in range(500)))
-    log(tmp_path, "a_air.csv", "t,K\n" + "".join(f"{10 * k - 50},{290 + k % 2}\n" for k in range(8640)))
-    columns = {
-        "time_s": {"from": "t"},
-        "q_motor_1_rad": {"from": "q"},
-        "ambient_temperature_k": {"from": "K", "table": "air"},
-    }
-    tables = {"air": {"file": "*_air.csv", "time_s": {"from": "t"}}}
-    assert not convert(tmp_path, LogFormat.model_validate({"columns": columns, "tables": tables}), "mine").warnings
+    rows = "".join(f"{10 * k - 50},{290 + k % 2}\n" for k in range(8640))
+    form = with_beside(tmp_path, rows, "ambient_temperature_k", {})
+    assert not convert(tmp_path, form, "mine").warnings
 
 
 @pytest.mark.parametrize("ending", ["csv", "parquet"])

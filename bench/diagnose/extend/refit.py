@@ -88,8 +88,8 @@ def refit(
     low, high = bounds_of((), unknowns)
     values = np.array([start.get(unknown.key, unknown.parameter.null) for unknown in unknowns])
     x = np.zeros(len(linear.nuisances)) if nuisances is None else nuisances.copy()
-    slopes = (known.slopes_of(unknowns), known.renewed) if known else ()
-    point = replace(_Point(np.clip(values, low, high), x, None, *slopes), errors=errors)
+    slopes, renewed = (known.slopes_of(unknowns), known.renewed) if known else ({}, {})
+    point = _Point(np.clip(values, low, high), x, jacobian=slopes, renewed=renewed, errors=errors)
     return _with_its_play(linear, causes, point, progress, settles=settles, renews=renews)
 
 

@@ -19,8 +19,8 @@ from bench.record.logs.mcap_table import MCAP, read_topic
 from bench.record.logs.resample import at_times, even_rows, filled
 from bench.record.rules.sheet import Sheet, rows_where
 from bench.record.table import Table
+from bench.record.units import FOREIGN
 
-_UNITS = {1e3: "milliseconds", 1e6: "microseconds", 1e9: "nanoseconds"}  # a second -> its name
 LIKE = 0.1  # assumed: two loggers are started and stopped within a tenth of a recording
 CLOCKS_DIFFER = 0.01  # of a recording (assumed: two clocks of one logger agree as well as that)
 
@@ -61,8 +61,10 @@ def read_log(file: Path, layout: LogFormat, findings: list[Finding]) -> LogColum
     for name, beside in layout.tables.items():
         if not faults:
             wanted = {key: origin for key, origin in layout.columns.items() if origin.table == name}
-            others, seen = _beside(file, name, beside, wanted, columns["time_s"], faults, warnings)
+            others, seen, found = _beside(file, name, beside, wanted, columns["time_s"])
             columns |= others
+            faults += [finding for finding in found if finding.level == "error"]
+            warnings += [finding for finding in found if finding.level == "warning"]
             covered = slice(max(covered.start, seen.start), min(covered.stop, seen.stop))
     findings += faults
     if faults:
@@ -163,46 +165,39 @@ def _near(name: str, names: Sequence[str]) -> str:
 
 
 def _beside(
-    file: Path,
-    key: str,
-    beside: Beside,
-    wanted: dict[str, Origin],
-    time: Array,
-    faults: list[Finding],
-    warnings: list[Finding],
-) -> tuple[dict[str, Array], slice]:
-    """Return columns of another table of a log at the times of the log, and the rows that it covers."""
+    file: Path, key: str, beside: Beside, wanted: dict[str, Origin], time: Array
+) -> tuple[dict[str, Array], slice, list[Finding]]:
+    """Return columns of another table of a log at the times of the log, the rows that it covers, and what is wrong."""
     every = slice(0, len(time))
     other = file if beside.topic else file.with_name(beside.file.replace("*", file.stem))
     is_there = os.path.isfile(other)  # noqa: PTH113  a name may be too long for pathlib
     if all(origin.optional for origin in wanted.values()) and not is_there:
-        return {}, every
+        return {}, every, []
     columns, found = _columns(other.name, _table(other, beside.topic, beside.table), {"time_s": beside.time_s} | wanted)
     clock = columns.pop("time_s", np.empty(0))
-    faults += found
     if found or not columns:
-        return {}, every
+        return {}, every, found
     if len(clock) < 2 or not np.all(np.diff(clock) > 0):
         message, remedy = "does not rise from row to row", "put the rows in order of time, one for each"
-        faults.append(Finding("error", other.name, None, str(beside.time_s), message, remedy))
-        return {}, every
+        return {}, every, [Finding("error", other.name, None, str(beside.time_s), message, remedy)]
     if TABLE_CELLS.exceeded(even_rows(clock) * len(columns)):
         message = f"pauses: {clock[-1] - clock[0]:g} s in steps of {float(np.median(np.diff(clock))):g} s"
         remedy = f"are more than {TABLE_CELLS}; cut what does not belong together"
-        faults.append(Finding("error", other.name, None, str(beside.time_s), message, remedy))
-        return {}, every
-    faults += _clocks(other.name, columns, wanted, clock)
+        return {}, every, [Finding("error", other.name, None, str(beside.time_s), message, remedy)]
+    found = _clocks(other.name, columns, wanted, clock)
     if finer := _finer_unit(time, clock):
-        message = f"counts {clock[-1] - clock[0]:g} s, {finer:g} times as long as {file.name}"
-        remedy = f"in {_UNITS[finer]}? then write `factor: {1 / finer:g}` in `tables: {key}: time_s`"
-        warnings.append(Finding("warning", other.name, None, str(beside.time_s), message, remedy))
-    return at_times(clock, columns, time), _covered(time, clock)
+        factor = FOREIGN[finer].factor
+        message = f"counts {clock[-1] - clock[0]:g} s, {1 / factor:g} times as long as {file.name}"
+        remedy = f"in {finer}? then write `factor: {factor:g}` in `tables: {key}: time_s`"
+        found.append(Finding("warning", other.name, None, str(beside.time_s), message, remedy))
+    return at_times(clock, columns, time), _covered(time, clock), found
 
 
-def _finer_unit(time: Array, clock: Array) -> float | None:
-    """Return how many units of a clock are a second, where in them it counts as long as that of the log does."""
+def _finer_unit(time: Array, clock: Array) -> str | None:
+    """Return the unit finer than a second in which a clock counts as long as that of the log does; None: in none."""
     ratio = (clock[-1] - clock[0]) / span if len(time) > 1 and (span := time[-1] - time[0]) > 0 else 1.0
-    return next((unit for unit in _UNITS if abs(ratio / unit - 1) < LIKE), None)
+    finer = (name for name, unit in FOREIGN.items() if unit.si == "s" and unit.factor < 1)
+    return next((name for name in finer if abs(ratio * FOREIGN[name].factor - 1) < LIKE), None)
 
 
 def _covered(time: Array, clock: Array) -> slice:

@@ -58,7 +58,7 @@ def as_json(result: Dynamics, level: float) -> dict[str, object]:
         },
         "not_physical_before_constraints": list(found.bodies.broken(found.solution.parameters)),
         "advice": [sentence(motion, found) for motion in result.motions],
-        "notes": list(notes_of(found, result.predicted)),
+        "notes": list(notes_of(found, result.quantities, result.predicted)),
     }
 
 

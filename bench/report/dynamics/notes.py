@@ -9,18 +9,19 @@ from bench.identify.dynamics.coupled import coupled_motors
 from bench.identify.dynamics.found import FirstPass, Torques
 from bench.identify.dynamics.held_out import HeldOut
 from bench.identify.dynamics.prior import WIDER
-from bench.identify.dynamics.quantities import quantities
+from bench.identify.dynamics.quantities import Quantity
 from bench.identify.dynamics.warming import Warming, warming_of
 from bench.report.dynamics.words import REPETITION
 
 BARELY = 1.02  # an error larger by less is the same within what folds differ by (assumed)
 
 
-def notes_of(found: FirstPass, predicted: Mapping[Path, Torques]) -> Iterator[str]:
+def notes_of(found: FirstPass, told: Sequence[Quantity], predicted: Mapping[Path, Torques]) -> Iterator[str]:
     """Yield the sentences that hold for this first pass.
 
     Args:
         found: First pass.
+        told: What it tells.
         predicted: Folder -> what is predicted of a campaign that was not fitted.
     """
     yield from rivals_notes(found.joints, "what was held out", found.held_out)
@@ -33,7 +34,7 @@ def notes_of(found: FirstPass, predicted: Mapping[Path, Torques]) -> Iterator[st
             f"own: its friction then explains {one.explained:.0%} of what is left of {one.joint}. Motors that turn "
             f"with two joints are not modelled, so friction, rotors and masses of both may be wrong by it."
         )
-    yield from _leaning_notes(found)
+    yield from _leaning_notes(found, [one for one in told if one.kind == "level"])
     if found.folds.repeats:
         yield f"{REPETITION}; give one with --held-out."
     for joint, noise in zip(found.joints, found.solution.noise, strict=True):
@@ -76,16 +77,15 @@ def notes_of(found: FirstPass, predicted: Mapping[Path, Torques]) -> Iterator[st
         yield f"The payload is told against the stated masses of the links; {carried}"
 
 
-def _leaning_notes(found: FirstPass) -> Iterator[str]:
+def _leaning_notes(found: FirstPass, leans: Sequence[Quantity]) -> Iterator[str]:
     """Yield how gravity leans, with what to write into the MJCF; nothing where it does not."""
-    if not found.leans:
+    if not leans:
         return
-    told = [one for one in quantities(found) if one.kind == "level"]
-    each = ((one, one.name.split(", lean ")[1]) for one in told)
-    words = " and ".join(f"{1e3 * one.value:.2g} +- {1e3 * one.sigma:.1g} mrad {way}" for one, way in each)
-    open_ones = "".join(f" These data do not tell its {one.name.split(', ')[1]}." for one in told if not one.told)
+    ways = {one.name.partition(", ")[2]: one for one in leans}
+    words = ", ".join(f"{way} {1e3 * one.value:.2g} +- {1e3 * one.sigma:.1g} mrad" for way, one in ways.items())
+    open_ones = "".join(f" These data do not tell its {way}." for way, one in ways.items() if not one.told)
     yield (
-        f"The floor is out of level, and leans by {words} in the frame of the base, as fitted with all else."
+        f"The floor is out of level, as fitted with all else: {words} in the frame of the base."
         f"{open_ones} Level the base, or check that with a spirit level and write gravity into <option> of the MJCF, "
         f'"{" ".join(f"{g:.4f}" for g in found.gravity)}"; what is written there counts as exact. `bench diagnose` '
         "names it with all other causes."

@@ -56,7 +56,7 @@ def print_dynamics(result: Dynamics, level: float) -> None:
         console.print(f"Not told by these data, left near what was stated: {', '.join(open_ones)}.", highlight=False)
     for motion in result.motions:
         console.print(sentence(motion, found), highlight=False)
-    for note in notes_of(found, result.predicted):
+    for note in notes_of(found, result.quantities, result.predicted):
         console.print(note, highlight=False)
 
 

@@ -33,7 +33,7 @@ def test_a_motor_that_turns_with_two_joints_is_said(ratio: float) -> None:
     (one,) = coupled_motors(found)
     assert (one.joint, one.other) == ("elbow", "shoulder")
     assert one.ratio == pytest.approx(ratio, abs=0.13)
-    assert any("The motor of elbow seems to turn with shoulder as well" in note for note in notes_of(found, {}))
+    assert any("The motor of elbow seems to turn with shoulder as well" in note for note in notes_of(found, (), {}))
 
 
 @pytest.mark.parametrize("seed", range(4))

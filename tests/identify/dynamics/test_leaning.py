@@ -100,7 +100,7 @@ def test_a_floor_that_leans_is_fitted_and_said(lean: tuple[float, float]) -> Non
     sigma = float(np.hypot(*(one.sigma for one in told)))
     np.testing.assert_allclose(found.gravity[:2] / 9.81, lean, atol=3 * sigma)
     assert sigma < 0.2 * np.hypot(*lean)
-    (note,) = [note for note in notes_of(found, {}) if "lean" in note]
+    (note,) = [note for note in notes_of(found, leans_of(found), {}) if "lean" in note]
     assert "into <option> of the MJCF" in note
 
 
@@ -217,5 +217,5 @@ def test_a_direction_that_hardly_shows_is_not_told() -> None:
     assert across_it.told
     assert abs(across_it.value - 0.008) < 3 * across_it.sigma
     assert not in_plane.told
-    (note,) = [note for note in notes_of(found, {}) if "lean" in note]
+    (note,) = [note for note in notes_of(found, leans_of(found), {}) if "lean" in note]
     assert "These data do not tell its lean towards x." in note
