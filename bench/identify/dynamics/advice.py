@@ -127,7 +127,8 @@ def _information(found: FirstPass, motion: Motion) -> Array:
     spread = np.where(np.isfinite(spread), spread, np.nanmax(spread))
     every = np.arange(layout.size)
     passed = found.rubbing.torque(found.rubbing.arm, position, velocity, acceleration)
-    own = drive_columns(position, velocity, acceleration, passed, turned(position, found.travel[None])[:, 0])
+    turning = turned(position, found.travel[None])[:, 0]
+    own = drive_columns(position, velocity, acceleration, passed, turning, arm.bodies.is_hinge)
     for j in motion.joints:
         factors = np.zeros((len(time), layout.size))
         factors[:, layout.links] = links[:, j]

@@ -17,7 +17,7 @@ from bench.record.campaign import Array
 
 # declared: log evidence from where on a drive has it; 100 to 1, as a diagnosis asks of a finding
 SURELY = float(np.log(100.0))
-WANTED = {"viscous_difference": 0.0, "rolling": SURELY, "load": SURELY, "spring": SURELY}
+WANTED = {"viscous_difference": 0.0, "rolling": SURELY, "load": SURELY, "spring": SURELY, "balancer": SURELY}
 # effort: of choosing widths anew with the noise that is left; a term that was found sharpens what tells the next
 CHOICES = 5
 ROUNDS = 2  # effort: of asking by how much the model errs beside its data; a third changes a tenth of that
@@ -95,9 +95,9 @@ def _held_out_widths(solution: Solution, beside: Missed, prior: Prior, folds: Fo
     Scales of torques stay as read where all drives together are predicted no worse so, each by the logarithm of its
     error, and where what is held out repeats the rest, which is no test of them. An offset is held where its drive's
     torque is predicted no worse without it. What is optional (friction that differs between the directions, rolls, or
-    grows with the load, and dress packs) is there where the evidence wants it and the drive is predicted better: it
-    bends in what a model misses. All but the first is much like what a drive has anyway (Coulomb and viscous friction
-    together; gravity and inertia), so chance has it in their place unless the evidence wants it for sure.
+    grows with the load, dress packs and balancers) is there where the evidence wants it and the drive is predicted
+    better: it bends in what a model misses. All but the first is much like what a drive has anyway (Coulomb and viscous
+    friction together; gravity and inertia), so chance has it in their place unless the evidence wants it for sure.
     """
     as_read = replace(solution, widths=replace(solution.widths, scale=NARROWEST))
     tried = missed(as_read, prior, folds)

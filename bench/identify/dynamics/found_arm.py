@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.identify.arm import Arm
+from bench.identify.dynamics.balancer import balancer_columns
 from bench.identify.dynamics.band import Band
-from bench.identify.dynamics.equations import known_torque
+from bench.identify.dynamics.equations import BALANCER, known_torque
 from bench.identify.dynamics.leaning import leant
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.regressor import N_INERTIAL, links_with, payload_columns
@@ -46,12 +47,14 @@ class FoundArm:
         arms: The same with the payload of each recording that has one of its own.
         nominal: The robot, for its counterbalance, known loads and stiffness.
         gas: Share of the gas that is in the counterbalance.
+        balancers: Shape (n, 6) [Nm], factors of `balancer_columns`.
     """
 
     arm: Arm
     arms: Mapping[str, Arm]
     nominal: NominalDynamics
     gas: float
+    balancers: Array
 
     def carrying(self, recording: str) -> Arm:
         """Return the arm with the payload of a recording."""
@@ -72,7 +75,8 @@ class FoundArm:
         torque = np.stack([arm.inverse_dynamics(*state) for state in states])
         if full := self.nominal.counterbalance:
             torque[:, full.joint] += self.gas * full.torque(position[:, full.joint])
-        return torque
+        waves = balancer_columns(position, arm.bodies.is_hinge)
+        return np.asarray(torque + np.einsum("tnk,nk->tn", waves, self.balancers))
 
 
 def found_arm(nominal: NominalDynamics, arm: Arm, layout: Layout, parameters: Array) -> FoundArm:
@@ -95,4 +99,5 @@ def found_arm(nominal: NominalDynamics, arm: Arm, layout: Layout, parameters: Ar
 
     arms = {recording: carrying(layout.payload_in(recording)) for recording in layout.carried}
     gas = float(parameters[layout.gas][0]) if layout.has_gas else 0.0
-    return FoundArm(carrying(layout.payload), arms, nominal, gas)
+    balancers = np.stack([parameters[layout.of_drives(name)] for name in BALANCER], axis=1)
+    return FoundArm(carrying(layout.payload), arms, nominal, gas, balancers)

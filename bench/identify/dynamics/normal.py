@@ -77,6 +77,7 @@ def right_of(drives: Sequence[Weighed], delay: float, size: int) -> Array:
 def posterior(normal: Normal, prior: Prior, widths: Widths) -> tuple[Array, Array]:
     """Return mean, shape (p,), and covariance, shape (p, p), of the parameters."""
     factor = prior.factor(widths)
+    factor = factor[:, np.any(factor, axis=0)]  # what is not free stays
     inverse = _inverse(normal, factor)
     covariance = factor @ inverse @ factor.T
     return prior.mean + covariance @ (normal.right - normal.gram @ prior.mean), covariance
@@ -157,5 +158,5 @@ def width_errors(normal: Normal, prior: Prior, chosen: Widths) -> Array:
 
 
 def _inverse(normal: Normal, factor: Array) -> Array:
-    inner = np.eye(len(factor)) + factor.T @ normal.gram @ factor
+    inner = np.eye(factor.shape[1]) + factor.T @ normal.gram @ factor
     return np.asarray(np.linalg.inv((inner + inner.T) / 2))

@@ -6,7 +6,8 @@ import numpy as np
 
 from bench.actuators.laws import ROLLING_POWER
 from bench.identify.arm import Arm
-from bench.identify.dynamics.equations import GAS_SHAPE, OPTIONAL
+from bench.identify.dynamics.balancer import balancer_sizes
+from bench.identify.dynamics.equations import BALANCER, GAS_SHAPE, OPTIONAL
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.regressor import N_INERTIAL, standard_parameters
 from bench.record.campaign import Array, Campaign
@@ -24,9 +25,8 @@ NARROWEST = -4  # assumed: a hundredth of the whole torque; less would claim to 
 AS_STATED = 0  # exact: once what was stated
 # exact: nothing beyond what is stated, of an offset; of what is optional, none at all
 NONE = NARROWEST - 1
-# declared: of what is optional; friction bends somehow in every gear, few joints carry a dress pack, and nobody doubts
-# that the others have none
-SELDOM = ("spring",)
+# declared: friction bends in every gear; few joints have a dress pack or balancer, and nobody doubts that others do not
+SELDOM = ("spring", "balancer")
 
 
 @dataclass(frozen=True)
@@ -143,8 +143,7 @@ class Prior:
         scale: Shape (p, p), of the scales of torques.
         stated_offset: Shape (p, p), of offsets as far as they are stated.
         offset: Shape (n, p, p), of each drive's offset beyond that.
-        optional: Shape (5 n, p, p), of each of `OPTIONAL`, drive after drive. A dress pack rests anywhere in the range
-            of its joint, so with it comes an offset.
+        optional: Shape (6 n, p, p), of each of `OPTIONAL`, drive after drive.
         free: Shape (p, p), of all others.
     """
 
@@ -255,18 +254,23 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
         )
     put(layout.softness, 1.0, drives.stiffness, free)
     put(layout.lean, 0.0, LEVEL, free)
-    offset, *optional = (np.zeros((n, layout.size, layout.size)) for _ in range(1 + len(OPTIONAL)))
-    every = np.arange(layout.size)
     rolls = torque_rms / np.where(speed_rms > 0, speed_rms, 1.0) ** ROLLING_POWER
     low, high = arm.bodies.limits.T
     springs = torque_rms / np.where(high > low, (high - low) / 2, 1.0)  # the whole torque at either end of the range
-    names, all_of_it = ("offset", *OPTIONAL), np.ones(n)  # of what a gear passes on, friction cannot take more
-    sizes = (torque_rms, drag, rolls, all_of_it, springs, torque_rms)
-    for into, name, most in zip((offset, *optional), names, sizes, strict=True):
-        where = every[layout.of_drives(name)]
-        into[np.arange(n), where, where] = most
-    rests = every[layout.of_drives("offset")]
-    optional[OPTIONAL.index("spring")][np.arange(n), rests, rests] = torque_rms
+    terms = {  # what there is of it at most, by column
+        "offset": {"offset": torque_rms},
+        "viscous_difference": {"viscous_difference": drag},
+        "rolling": {"rolling": rolls},
+        "load": {"load": np.ones(n)},  # of what a gear passes on, friction cannot take more
+        "spring": {"spring": springs, "offset": torque_rms},  # a dress pack rests anywhere in the range
+        "balancer": dict(zip(BALANCER, balancer_sizes(arm).T, strict=True)),
+        "presliding": {"presliding": torque_rms},
+    }
+    offset, *optional = (np.zeros((n, layout.size, layout.size)) for _ in range(1 + len(OPTIONAL)))
+    for into, name in zip((offset, *optional), ("offset", *OPTIONAL), strict=True):
+        for column, most in terms[name].items():
+            where = np.arange(layout.size)[layout.of_drives(column)]
+            into[np.arange(n), where, where] = most
     return Prior(mean, figures, friction, scale, stated_offset, offset, np.concatenate(optional), free)
 
 

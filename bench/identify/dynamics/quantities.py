@@ -21,9 +21,16 @@ DRIVE = {  # column -> name, its unit for a hinge and for a slide
     "rolling": ("rolling friction, at 1 rad/s or 1 m/s", "Nm", "N"),
     "load": ("friction by the torque passed on", "Nm/Nm", "N/N"),
     "spring": ("stiffness of a dress pack", "Nm/rad", "N/m"),
+    "balancer_sin": ("spring balancer, times sin q", "Nm", "N"),
+    "balancer_cos": ("spring balancer, times cos q", "Nm", "N"),
+    "balancer_sin_2": ("spring balancer, times sin 2q", "Nm", "N"),
+    "balancer_cos_2": ("spring balancer, times cos 2q", "Nm", "N"),
+    "balancer_sin_3": ("spring balancer, times sin 3q", "Nm", "N"),
+    "balancer_cos_3": ("spring balancer, times cos 3q", "Nm", "N"),
     "presliding": ("presliding travel", "rad", "m"),
     "offset": ("torque offset", "Nm", "N"),
 }
+NAMED = {name: name_and_units[0] for name, name_and_units in DRIVE.items()} | {"balancer": "spring balancer"}
 RELATIVE = "relative"  # unit of a quantity that is a share
 
 
@@ -93,7 +100,7 @@ def quantities(found: FirstPass) -> tuple[Quantity, ...]:
     for column in (name for name in DRIVE if name != "presliding"):
         name, *units = DRIVE[column]
         for joint, row in enumerate(every[layout.of_drives(column)]):
-            if column in SELDOM and row @ beforehand @ row == 0:
+            if column.split("_")[0] in SELDOM and row @ beforehand @ row == 0:
                 continue  # there is none
             add("friction", f"{name} ({found.joints[joint]})", units[_slides(found, joint)], row)
     result += (_travel(found, joint, beforehand) for joint in found.has["presliding"])

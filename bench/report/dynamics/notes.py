@@ -35,6 +35,12 @@ def notes_of(found: FirstPass, told: Sequence[Quantity], predicted: Mapping[Path
             f"with two joints are not modelled, so friction, rotors and masses of both may be wrong by it."
         )
     yield from _leaning_notes(found, [one for one in told if one.kind == "level"])
+    for j in found.has["balancer"]:
+        yield (
+            f"{found.joints[j]} seems to carry a spring balancer that nobody stated. Where its parent does not tilt, a "
+            "balancer and a first moment of the links do the same to its torque: masses, centres and payload beside it "
+            "are told apart from it by what is stated of them and by inertia alone, and their intervals have that."
+        )
     if found.folds.repeats:
         yield f"{REPETITION}; give one with --held-out."
     for joint, noise in zip(found.joints, found.solution.noise, strict=True):

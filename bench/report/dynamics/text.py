@@ -8,7 +8,7 @@ import numpy as np
 from bench.identify.dynamics.advice import sentence
 from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.prior import AS_STATED
-from bench.identify.dynamics.quantities import DRIVE, RELATIVE, Quantity
+from bench.identify.dynamics.quantities import NAMED, RELATIVE, Quantity
 from bench.record.campaign import Array
 from bench.record.finding import counted
 from bench.report.diagnosis.numbers import shown, unit_name
@@ -41,13 +41,13 @@ def print_dynamics(result: Dynamics, level: float) -> None:
     for folder, torques in result.predicted.items():
         print_wide(console, _errors(found, f"predicted, nothing fitted: {folder}", {m: torques.rms(m) for m in MODELS}))
     drives_without = _without(found)
-    without = {f"{DRIVE[what][0]} ({found.joints[j]})" for what, drives in drives_without.items() for j in drives}
+    without = {f"{NAMED[what]} ({found.joints[j]})" for what, drives in drives_without.items() for j in drives}
     for title in dict.fromkeys(TITLES.values()):
         mine = [one for one in result.quantities if TITLES[one.kind] == title and one.told and one.name not in without]
         if mine:
             print_wide(console, _parameters(f"{title}, {level:.0%} intervals", mine, found.quantile(level)))
     if without:
-        words = [f"{DRIVE[what][0]} ({_joints(found, drives)})" for what, drives in drives_without.items() if drives]
+        words = [f"{NAMED[what]} ({_joints(found, drives)})" for what, drives in drives_without.items() if drives]
         console.print(f"Not needed: {'; '.join(words)}.", highlight=False)
     open_ones = [
         one.name for one in result.quantities if not one.told and one.kind != "drive" and one.name not in without

@@ -100,7 +100,7 @@ def test_winding_is_the_torque_of_links_that_stand_elsewhere() -> None:
         links = Arm(nominal.bodies)
         equations = equations_of(samples, band, links, nominal, np.ones(N))
         rigid = equations.links @ standard_parameters(links.bodies)
-        found = FoundArm(links, {}, nominal, 0.0)
+        found = FoundArm(links, {}, nominal, 0.0, np.zeros((N, 6)))
         winding = Bending(found, np.ones(N, dtype=np.bool_)).columns(equations, band).sum(axis=2)
         left.append(np.linalg.norm(equations.torque - rigid - winding) / np.linalg.norm(equations.torque - rigid))
     assert left[0] < 0.05

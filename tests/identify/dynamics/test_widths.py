@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from bench.identify.dynamics.equations import OPTIONAL
 from bench.identify.dynamics.first_pass import first_pass
@@ -237,3 +238,36 @@ def test_a_motion_that_is_repeated_is_no_test_of_scales() -> None:
     assert found.folds.repeats
     assert found.solution.widths.scale == NARROWEST
     assert np.all(np.sqrt(np.diag(found.solution.covariance)[found.layout.gain]) > 0.02)  # as unsure as is stated
+
+
+def balanced(seed: int, amplitude: float) -> Campaign:
+    """Return runs of an arm with a spring on a lever at its shoulder.
+
+    Args:
+        seed: Of motions and noise.
+        amplitude: Torque of a spring without free length, of which 0.6 of the length at zero is free here [Nm].
+    """
+    campaign = recorded(robot(arm()), FRICTION, np.random.default_rng(seed), runs=3, seconds=15.0, rate=100.0)
+    runs = []
+    for run in campaign.runs:
+        q = run.columns["q_motor_2_rad"] - 0.3
+        share = 1 - 0.6 * np.sqrt((1 + 0.5**2 + 2 * 0.5) / (1 + 0.5**2 + 2 * 0.5 * np.cos(q)))  # hooked at a = b / 2
+        torque = run.columns["tau_motor_2_nm"] - amplitude * np.sin(q) * share
+        runs.append(replace(run, columns={**run.columns, "tau_motor_2_nm": torque}))
+    return Campaign("rigid", tuple(runs))
+
+
+@pytest.mark.parametrize("amplitude", [0.0, 300.0])
+def test_a_balancer_that_nobody_stated_is_there_only_where_that_predicts(amplitude: float) -> None:
+    """Of a palletising arm with one, masses, centres and an offset stood for it, many standard errors off."""
+    nominal = robot(arm(), mass=0.02, centre_of_mass_m=0.005)
+    inside = []
+    for seed in range(4):
+        found = first_pass(balanced(seed, amplitude), nominal, find_delay=False)
+        assert has(found).get("balancer", []) == ([1] if amplitude else [])
+        base = found.base.combine
+        truth = base @ found.prior.mean
+        sigma = np.sqrt(np.einsum("bp,pq,bq->b", base, found.solution.covariance, base))
+        told = sigma > 0
+        inside += list(np.abs(base @ found.parameters - truth)[told] <= found.quantile(0.9) * sigma[told])
+    assert np.mean(inside) >= 0.8
