@@ -49,7 +49,6 @@ FOREIGN: Mapping[str, Foreign] = {
     "psi": Foreign("pa", 6894.757),
     "ms": Foreign("s", 1e-3),
     "us": Foreign("s", 1e-6),
-    "ns": Foreign("s", 1e-9),
     "min": Foreign("s", 60.0),
     "h": Foreign("s", 3600.0),
     "g": Foreign("kg", 1e-3),

@@ -86,7 +86,7 @@ def with_beside(folder: Path, rows: str, channel: str, time_s: dict[str, object]
     return LogFormat.model_validate({"columns": columns, "tables": tables})
 
 
-@pytest.mark.parametrize(("factor", "unit"), [(1e-3, ""), (1.0, "ms"), (1e3, "us")])
+@pytest.mark.parametrize(("factor", "unit"), [(1e-3, ""), (1.0, "milliseconds"), (1e3, "microseconds")])
 def test_another_table_whose_clock_has_a_finer_unit_is_told(tmp_path: Path, factor: float, unit: str) -> None:
     """In milliseconds its first rows were spread over the whole log, without a word."""
     rows = "".join(f"{20 * k - 30},{k}\n" for k in range(105))

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from bench.identify.arm import Arm
 from bench.record.campaign import Array
 
-HARMONICS = (1, 2, 3)
+HARMONICS = (1, 2, 3)  # declared: the fourth would be a third of the third at most
 POSTURES = 100  # effort: of which the root mean square is right to a tenth
 
 

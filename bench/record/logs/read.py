@@ -17,9 +17,9 @@ from bench.record.logs.dialect import Dialect, read_log_table
 from bench.record.logs.likewise import listed
 from bench.record.logs.mcap_table import MCAP, read_topic
 from bench.record.logs.resample import at_times, even_rows, filled
+from bench.record.rules.clock import UNITS
 from bench.record.rules.sheet import Sheet, rows_where
 from bench.record.table import Table
-from bench.record.units import FOREIGN
 
 LIKE = 0.1  # assumed: two loggers are started and stopped within a tenth of a recording
 CLOCKS_DIFFER = 0.01  # of a recording (assumed: two clocks of one logger agree as well as that)
@@ -63,8 +63,8 @@ def read_log(file: Path, layout: LogFormat, findings: list[Finding]) -> LogColum
             wanted = {key: origin for key, origin in layout.columns.items() if origin.table == name}
             others, seen, found = _beside(file, name, beside, wanted, columns["time_s"])
             columns |= others
-            faults += [finding for finding in found if finding.level == "error"]
-            warnings += [finding for finding in found if finding.level == "warning"]
+            for finding in found:
+                (warnings if finding.level == "warning" else faults).append(finding)
             covered = slice(max(covered.start, seen.start), min(covered.stop, seen.stop))
     findings += faults
     if faults:
@@ -186,18 +186,17 @@ def _beside(
         return {}, every, [Finding("error", other.name, None, str(beside.time_s), message, remedy)]
     found = _clocks(other.name, columns, wanted, clock)
     if finer := _finer_unit(time, clock):
-        factor = FOREIGN[finer].factor
+        unit, factor = finer
         message = f"counts {clock[-1] - clock[0]:g} s, {1 / factor:g} times as long as {file.name}"
-        remedy = f"in {finer}? then write `factor: {factor:g}` in `tables: {key}: time_s`"
+        remedy = f"in {unit}? then write `factor: {factor:g}` in `tables: {key}: time_s`"
         found.append(Finding("warning", other.name, None, str(beside.time_s), message, remedy))
     return at_times(clock, columns, time), _covered(time, clock), found
 
 
-def _finer_unit(time: Array, clock: Array) -> str | None:
-    """Return the unit finer than a second in which a clock counts as long as that of the log does; None: in none."""
+def _finer_unit(time: Array, clock: Array) -> tuple[str, float] | None:
+    """Return the unit finer than a second [s] in which a clock counts as long as the log's does; None: in none."""
     ratio = (clock[-1] - clock[0]) / span if len(time) > 1 and (span := time[-1] - time[0]) > 0 else 1.0
-    finer = (name for name, unit in FOREIGN.items() if unit.si == "s" and unit.factor < 1)
-    return next((name for name in finer if abs(ratio * FOREIGN[name].factor - 1) < LIKE), None)
+    return next((unit for unit in UNITS if abs(ratio * unit[1] - 1) < LIKE), None)
 
 
 def _covered(time: Array, clock: Array) -> slice:
