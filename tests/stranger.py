@@ -158,12 +158,18 @@ class Motion:
     torque: Array
 
 
-def moved(rng: np.random.Generator, seconds: float = 20.0, arm: Arm | None = None, torque_delay: float = 0.0) -> Motion:
-    """Move an arm, that of the file if none is given, along Fourier series of 0.1 to 0.5 Hz."""
+def moved(
+    rng: np.random.Generator,
+    seconds: float = 20.0,
+    arm: Arm | None = None,
+    torque_delay: float = 0.0,
+    swing: float = 1.0,
+) -> Motion:
+    """Move an arm, that of the file if none is given, along Fourier series of 0.1 to 0.5 Hz, `swing` times as far."""
     arm = arm or as_filed()
     data = arm.links.createData()
     time = np.arange(round(seconds * RATE)) / RATE
-    sines = rng.normal(size=(5, 3)) * np.array([0.28, 0.2, 0.3])
+    sines = rng.normal(size=(5, 3)) * np.array([0.28, 0.2, 0.3]) * swing
     phases = rng.uniform(0, 2 * np.pi, size=(5, 3))
 
     def along(clock: Array) -> tuple[Array, Array, Array]:

@@ -1,6 +1,6 @@
 """From a campaign to a naming: replay, screen, refit. Extension files are written by `bench.report.diagnosis`."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -30,6 +30,7 @@ from bench.diagnose.linearise.candidates import causes_of, unseen_of
 from bench.diagnose.linearise.contradicted import contradicted_readings
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.signatures import Signatures
+from bench.diagnose.name.beginning import told_by
 from bench.diagnose.name.discrepancy import Discrepancy
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.replay.given import EARLIER, Posterior, given_by, rows_of
@@ -111,10 +112,11 @@ def diagnose(
         phases = Phases(progress, check)
         watched = Watched(executor, check)
         task = Task(campaign, compiled, catalogue, rate, phases, most_bins, watched, first)
-        found = explained(task, signatures_of(campaign, compiled, catalogue, store, given))
+        told = told_by(first)
+        found = explained(task, signatures_of(campaign, compiled, catalogue, store, given, told))
         if found.baseline and found.baseline.lags and not found.unfinished:
             found = beside_unknown_links(
-                task, found, lambda robot: signatures_of(campaign, robot, catalogue, store, given)
+                task, found, lambda robot: signatures_of(campaign, robot, catalogue, store, given, told)
             )
         if is_open(found):
             found = beyond_plausible(task, found)
@@ -160,6 +162,7 @@ def signatures_of(
     catalogue: Mapping[str, Effect],
     store: Store | None = None,
     given: Posterior | None = None,
+    told: Collection[tuple[str, int]] = (),
 ) -> Signatures:
     """Return the signatures of a campaign; nothing is simulated yet.
 
@@ -169,12 +172,14 @@ def signatures_of(
         catalogue: Effects.
         store: Where signatures are kept between processes; None: nowhere.
         given: What is known from before.
+        told: What a first pass has: names of effects, each with the index of its drive.
     """
     quantities = (*quantities_of(campaign.runs, compiled), *known_quantities(campaign, compiled))
     nuisances = nuisances_of(compiled, quantities)
     if given:
         nuisances = given_by(given, nuisances, compiled).nuisances
         quantities = (*quantities, EARLIER) if rows_of(nuisances) else quantities
-    causes = causes_of(catalogue.values(), compiled, measured_by(campaign), recorded_by(campaign, compiled))
+    measured, recorded = measured_by(campaign), recorded_by(campaign, compiled)
+    causes = causes_of(catalogue.values(), compiled, measured, recorded, told=told)
     nuisances = with_known_payload(with_recordings(nuisances, compiled, campaign.recordings), campaign)
     return Signatures(compiled, quantities, nuisances, causes, store=store)

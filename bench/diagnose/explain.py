@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from bench.diagnose.cross_validation.jackknife import with_jackknife
 from bench.diagnose.cross_validation.leave_out import REACH
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit
-from bench.diagnose.linearise.candidates import as_far_as_told
+from bench.diagnose.linearise.candidates import LARGER
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.linearise.signatures import Signatures
@@ -40,8 +39,6 @@ from bench.identify.dynamics.held_out import SAME
 from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot
 
-# declared: times what is plausible, that causes are looked for where nothing plausible explains a campaign
-LARGER = 4.0
 UNEXPLAINED = 2.0  # effort: standard errors that are left on average, from where that is worth another diagnosis
 UNKNOWN_MASS = 1.0  # derived: relative uncertainty of a mass that nobody knows: none is one standard deviation away
 
@@ -126,7 +123,6 @@ def explained(
     campaign, compiled, progress = task.campaign, signatures.compiled, task.progress
     quantities = signatures.quantities
     told = told_by(task.first)
-    farther = partial(as_far_as_told, told=told, most=LARGER)
     segments = segments_of(campaign, compiled, quantities, task.most_bins)
     segments = with_known_segments(segments, campaign, compiled, quantities)
     segments = with_earlier(segments, quantities, signatures.nuisances)
@@ -141,8 +137,8 @@ def explained(
     progress("naming")
     recorded = recorded_by(campaign, compiled)
     measured = measured_by(campaign)
-    around = Neighbourhood(compiled, task.catalogue, measured, task.rate, task.executor, recorded, reach, farther)
-    linear, screening = around.weighed(linear, farther(signatures.causes), sensitivities)
+    around = Neighbourhood(compiled, task.catalogue, measured, task.rate, task.executor, recorded, reach, told)
+    linear, screening = around.weighed(linear, signatures.causes, sensitivities)
     naming = name_cause(linear, screening, around.about, progress, task.executor, earlier, told, learns=learns)
     found = Explained(signatures, segments, naming, naming.linear)
     try:

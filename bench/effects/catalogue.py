@@ -6,6 +6,7 @@ from pathlib import Path
 from types import ModuleType
 
 from bench.effects.anchors import Anchor
+from bench.effects.balancer import SpringBalancer
 from bench.effects.effect import Effect
 from bench.effects.friction import CoulombFriction, CoulombLevel, FrictionSide
 from bench.effects.friction_shape import DirectionFriction, DirectionViscous, FrictionRipple, LoadFriction, Stribeck
@@ -100,6 +101,7 @@ BUILT_IN: tuple[type[Effect], ...] = (
     JointSlip,
     LinkLength,
     DressPack,
+    SpringBalancer,
     TorqueOffset,
     ThermalGrowth,
     FloorTilt,

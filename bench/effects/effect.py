@@ -109,6 +109,8 @@ class Effect(ABC):
         motion: Which motion shows it where a campaign does not, in words; "" where that depends.
         depends_on_conditions: Whether its `edit` is another one at other temperatures.
         covers: Names of effects that say a part of it: where it is found, these are not unseen.
+        only_if_told: Whether it is looked for only where a first pass over moving data has it: a curve of several sizes
+            holds much of what other effects do, and that is weighed there.
         moves_with: Names of effects at the same place that what moves this one may move by as large a share. Its first
             parameter is a share of a level that the model has then; so is that of those among them that say the same.
         is_additive: Whether its `torques` are the same where the effect acts already; those of an effect that scales a
@@ -130,6 +132,7 @@ class Effect(ABC):
     motion: ClassVar[str] = ""
     depends_on_conditions: ClassVar[bool] = False
     is_additive: ClassVar[bool] = False
+    only_if_told: ClassVar[bool] = False
     covers: ClassVar[tuple[str, ...]] = ()
     moves_with: ClassVar[tuple[str, ...]] = ()
 

@@ -3,8 +3,8 @@
 import pytest
 
 from bench.diagnose.diagnose import Diagnosis, diagnose
-from bench.diagnose.explain import LARGER
 from bench.diagnose.extend.fit import BEYOND
+from bench.diagnose.linearise.candidates import LARGER
 from bench.effects.catalogue import catalogue
 from tests.diagnose.sweeps import SWEEPS, made, nominal
 

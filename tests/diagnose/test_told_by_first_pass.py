@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from bench.diagnose.diagnose import diagnose
-from bench.diagnose.explain import LARGER
-from bench.diagnose.linearise.candidates import as_far_as_told, causes_of
+from bench.diagnose.linearise.candidates import LARGER, as_far_as_told, causes_of
 from bench.effects.catalogue import LEFT_OUT, catalogue
 from bench.effects.geometry import DressPack
 from bench.identify.dynamics.first_pass import first_pass

@@ -1,6 +1,6 @@
 """Which effects could act on a robot, where, and what a campaign would show of each: signatures, by simulation."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -17,6 +17,8 @@ from bench.robot.compiled import CompiledRobot
 FEWEST_SHAPES = 3  # effort: values of a shape parameter that are tried at first
 # rounding: norm of a whitened signature at its largest plausible size, below which nobody can see an effect
 INVISIBLE = 1e-3
+# declared: times what is plausible, that causes are looked for where nothing plausible explains a campaign
+LARGER = 4.0
 
 
 @dataclass(frozen=True)
@@ -107,6 +109,7 @@ def causes_of(
     recorded: Recorded = NOTHING_RECORDED,
     reach: float = 1.0,
     stated: CompiledRobot | None = None,
+    told: Collection[tuple[str, int]] = (),
 ) -> tuple[Cause, ...]:
     """Return every effect at every place where it may act on this robot, as far as these channels could show it.
 
@@ -117,12 +120,15 @@ def causes_of(
         recorded: Its runs and columns; without them errors of the recording have no place.
         reach: Times what is plausible, that sizes are looked for up to.
         stated: The nominal robot, which says what is plausible; None: the robot itself.
+        told: What a first pass has: names of effects, each with the index of its drive.
     """
     found = []
     for effect in catalogue:
         if any(need not in measured for need in effect.needs):
             continue
         for place in places_of(effect, compiled, recorded):
+            if effect.only_if_told and (effect.name, place.index) not in told:
+                continue
             parameters = effect.parameters_at(stated or compiled, place)
             sizes, shapes = (tuple(one for one in parameters if one.is_shape is shapes) for shapes in (False, True))
             found.append(Cause(effect, place, sizes, shapes).farther(reach))

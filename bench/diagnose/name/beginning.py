@@ -4,28 +4,38 @@ from collections.abc import Collection, Hashable
 from dataclasses import replace
 from functools import partial
 
+import numpy as np
+
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.screening import Screening
 from bench.diagnose.name.candidate_model import CandidateModel
 from bench.diagnose.name.models import Fitter, Model, likeliest
 from bench.diagnose.name.search_space import search_space
+from bench.effects.balancer import SpringBalancer
 from bench.effects.catalogue import LEFT_OUT
 from bench.effects.friction import CoulombFriction
 from bench.effects.friction_shape import LoadFriction
 from bench.effects.geometry import DressPack
 from bench.effects.lubricant import RollingFriction
 from bench.executor.contract import Executor
+from bench.identify.dynamics.equations import BALANCER
 from bench.identify.dynamics.found import FirstPass
 
 # what a first pass has of a drive -> name of the effect
-TOLD = {"rolling": RollingFriction.name, "load": LoadFriction.name, "spring": DressPack.name}
+TOLD = {
+    "rolling": RollingFriction.name,
+    "load": LoadFriction.name,
+    "spring": DressPack.name,
+    "balancer": SpringBalancer.name,
+}
 
 
 def told_by(first: FirstPass | None) -> dict[tuple[str, int], float]:
-    """Return what a first pass has beside what drawings leave out: effect and index of its drive -> size."""
+    """Return what a first pass has beside what drawings leave out: effect and index of its drive -> largest size."""
     if first is None:
         return {}
-    sizes = {name: first.parameters[first.layout.of_drives(name)] for name in TOLD}
+    layout, columns = first.layout, {name: (name,) for name in TOLD} | {"balancer": BALANCER}
+    sizes = {name: np.max([first.parameters[layout.of_drives(one)] for one in columns[name]], axis=0) for name in TOLD}
     return {(TOLD[name], j): float(sizes[name][j]) for name in TOLD for j in first.has[name]}
 
 

@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Protocol
 
 import numpy as np
 
 from bench.diagnose.extend.fit import pseudo_residual
-from bench.diagnose.linearise.candidates import Cause, candidates_of, causes_of
+from bench.diagnose.linearise.candidates import LARGER, Cause, as_far_as_told, candidates_of, causes_of
 from bench.diagnose.linearise.generic import blocks_of
 from bench.diagnose.linearise.lack_of_fit import are_settled, factors_of, left_by_nuisances, unexplained
 from bench.diagnose.linearise.linearised_model import LinearisedModel, relinearised
@@ -51,7 +52,7 @@ class Neighbourhood:
         executor: Where to simulate.
         recorded: Runs and columns of the campaign.
         reach: Times what is plausible, that sizes are looked for up to.
-        farther: Returns causes, with those that go farther which are told to be larger.
+        told: What a first pass has: name of an effect and index of a drive -> its size.
     """
 
     def __init__(
@@ -63,7 +64,7 @@ class Neighbourhood:
         executor: Executor = SERIAL,
         recorded: Recorded = NOTHING_RECORDED,
         reach: float = 1.0,
-        farther: Callable[[Sequence[Cause]], tuple[Cause, ...]] = tuple,
+        told: Mapping[tuple[str, int], float] = MappingProxyType({}),
     ) -> None:
         self.compiled = compiled
         self.catalogue = catalogue
@@ -72,7 +73,7 @@ class Neighbourhood:
         self.executor = executor
         self.recorded = recorded
         self.reach = reach
-        self.farther = farther
+        self.told = told
         self._causes: tuple[Cause, ...] = ()
         self._changes = Sensitivities(np.empty(0), ())
         self._tried: Tried | None = None
@@ -90,7 +91,7 @@ class Neighbourhood:
             causes: What to try.
             sensitivities: What they change.
         """
-        self._causes, self._changes = tuple(causes), sensitivities
+        self._causes, self._changes = self._as_told(causes), sensitivities
         linear, screening = self._screened(linear)
         self._repeats, self._threshold = linear.scatter.repeats, screening.threshold
         other = self._repeating(linear, lambda nominal: nominal.white)
@@ -156,7 +157,10 @@ class Neighbourhood:
 
     def _causes_of(self, robot: CompiledRobot) -> tuple[Cause, ...]:
         known = self.measured, self.recorded, self.reach, self.compiled
-        return self.farther(causes_of(self.catalogue.values(), robot, *known))
+        return self._as_told(causes_of(self.catalogue.values(), robot, *known, told=self.told))
+
+    def _as_told(self, causes: Sequence[Cause]) -> tuple[Cause, ...]:
+        return as_far_as_told(causes, self.told, LARGER)
 
     def _screened(self, linear: LinearisedModel) -> tuple[LinearisedModel, Screening]:
         """Return the nominal model with the standard errors that it asks for, and everything weighed against it."""

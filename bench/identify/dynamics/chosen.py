@@ -13,7 +13,6 @@ from bench.identify.dynamics.normal import evidence_gain, posterior
 from bench.identify.dynamics.prior import NARROWEST, NONE, Prior, Widths
 from bench.identify.dynamics.rows import DriveRows
 from bench.identify.dynamics.solve import Solution, solve
-from bench.record.campaign import Array
 
 # declared: log evidence from where on a drive has it; 100 to 1, as a diagnosis asks of a finding
 SURELY = float(np.log(100.0))
@@ -130,11 +129,10 @@ def turning_late(solution: Solution, prior: Prior) -> Widths:
     for place in places:
         without = replace(without, widths=without.widths.with_optional(int(place), NONE))
     widths, wanted = without.widths, 0.0
-    parameters, _ = posterior(solution.normal, prior, without.widths)
     for drive, (place, where) in enumerate(zip(places, own, strict=True)):
         if solution.noise[drive] is None:
             continue
-        gain, best = _most_wanted(without, _readings(without, drive, parameters), int(place), prior)
+        gain, best = _most_wanted(without, drive, int(place), prior)
         if (
             gain > 0 and posterior(solution.normal, prior, best)[0][where] > 0
         ):  # friction does not turn before its joint
@@ -143,18 +141,27 @@ def turning_late(solution: Solution, prior: Prior) -> Widths:
     return widths if wanted > SURELY else without.widths
 
 
-def _most_wanted(solution: Solution, readings: float, place: int, prior: Prior) -> tuple[float, Widths]:
-    """Return by how much what is optional in a place raises the log evidence at best, and the widths with it."""
-    line = [solution.widths.with_optional(place, width) for width in range(NARROWEST, 1)]
-    gains = [evidence_gain(solution.normal, prior, solution.widths, widths, readings) for widths in line]
-    best = int(np.argmax(gains))
-    return gains[best], line[best]
+def _most_wanted(solution: Solution, drive: int, place: int, prior: Prior) -> tuple[float, Widths]:
+    """Return by how much what is optional of a drive raises the log evidence at best, and the widths with it."""
+    before = solution.widths
+    readings = _readings(solution, drive, before, prior)
+    gains = {}
+    for width in range(NARROWEST, 1):
+        after = before.with_optional(place, width)
+        left = _readings(solution, drive, after, prior)
+        gains[after] = evidence_gain(solution.normal, prior, before, after, readings, left)
+    best = max(gains, key=gains.__getitem__)
+    return gains[best], best
 
 
-def _readings(solution: Solution, drive: int, parameters: Array) -> float:
-    """Return the weighted squares that parameters leave of a drive: as many as its independent readings."""
+def _readings(solution: Solution, drive: int, widths: Widths, prior: Prior) -> float:
+    """Return the weighted squares that widths leave of a drive: of its own, as many as its independent readings.
+
+    Linear about the solution, as the evidence is: with what other widths make of masses, products are beyond it.
+    """
+    parameters, _ = posterior(solution.normal, prior, widths)
     one = solution.drives[drive]
-    return one.weight * float(np.sum((one.rows.response(solution.delay) - one.rows.model(parameters)) ** 2))
+    return one.weight * float(np.sum((one.response(solution.delay) - one.factors @ parameters[one.rows.index]) ** 2))
 
 
 def _with_optional(
@@ -164,8 +171,7 @@ def _with_optional(
     n = len(solution.noise)
     left = set(range(drive, n * OPTIONAL.index("presliding"), n))
     while left:
-        readings = _readings(solution, drive, posterior(solution.normal, prior, solution.widths)[0])
-        wanted = {place: _most_wanted(solution, readings, place, prior) for place in left}
+        wanted = {place: _most_wanted(solution, drive, place, prior) for place in left}
         gains = {place: gain - WANTED[OPTIONAL[place // n]] for place, (gain, _) in wanted.items()}
         place = max(left, key=gains.__getitem__)
         if gains[place] <= 0:

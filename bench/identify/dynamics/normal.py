@@ -92,12 +92,13 @@ def log_evidence(normal: Normal, prior: Prior, widths: Widths) -> float:
     return explained / 2 - volume
 
 
-def evidence_gain(normal: Normal, prior: Prior, before: Widths, after: Widths, readings: float) -> float:
-    """Return by how much other widths raise the log evidence where nobody knows the noise.
+def evidence_gain(normal: Normal, prior: Prior, before: Widths, after: Widths, readings: float, left: float) -> float:
+    """Return by how much other widths raise the log evidence where nobody knows the noise of one drive.
 
-    Weights hold what widths `before` leave for noise, so what `after` explains of it can raise the evidence by half
-    the readings at most, though it leave next to nothing. With the noise that is left, squares S0 that become S1 count
-    (n - 1) / 2 log(S0 / S1), as in Student's t.
+    Weights hold what widths `before` leave of it for noise, so what `after` explains of it can raise the evidence by
+    half its readings at most, though it leave next to nothing. With the noise that is left, squares S0 that become S1
+    count (n - 1) / 2 log(S0 / S1), as in Student's t. What other drives and the prior gain counts as what is explained
+    of it, and by half where that would be all of it.
 
     Args:
         normal: The normal equations, weighted by the noise before.
@@ -105,13 +106,17 @@ def evidence_gain(normal: Normal, prior: Prior, before: Widths, after: Widths, r
         before: Widths that the weights belong to.
         after: Widths that are tried.
         readings: n, of the drive that is explained: its weighted squares before, one by one as independent ones count.
+        left: Its weighted squares after.
     """
     first, volume = _evidence(normal, prior, before)
     second, other = _evidence(normal, prior, after)
-    share = (second - first) / readings if readings > 0 else 0.0
-    if not 0 < share < 1:
-        return (second - first) / 2 - (other - volume)
-    return -max(readings - 1, 0.0) / 2 * float(np.log1p(-share)) - (other - volume)
+    explained, volume = second - first, other - volume
+    elsewhere = 0.0
+    if explained >= readings > left > 0:
+        explained, elsewhere = readings - left, explained - (readings - left)
+    if not 0 < explained < readings:
+        return explained / 2 - volume
+    return elsewhere / 2 - max(readings - 1, 0.0) / 2 * float(np.log1p(-explained / readings)) - volume
 
 
 def _evidence(normal: Normal, prior: Prior, widths: Widths) -> tuple[float, float]:
