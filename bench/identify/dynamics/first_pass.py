@@ -1,8 +1,7 @@
 """The first pass over a campaign's moving data: its parameters, and how well they predict what was held out."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,35 +9,20 @@ from bench.errors import InputError
 from bench.identify.arm import Arm
 from bench.identify.dynamics.band import Band, band_of
 from bench.identify.dynamics.base_parameters import base_parameters
-from bench.identify.dynamics.bending import Bending, bending_of, bent
-from bench.identify.dynamics.chosen import turning_late, with_its_delay
-from bench.identify.dynamics.consistency import Bodies, bodies_of, nearest
 from bench.identify.dynamics.equations import Equations, equations_of
 from bench.identify.dynamics.folds import blocks_of, folds_of
 from bench.identify.dynamics.found import FirstPass
-from bench.identify.dynamics.found_arm import FoundArm, found_arm
-from bench.identify.dynamics.gear_load import loaded
-from bench.identify.dynamics.held_out import SAME, Missed, Problems, hold_out, missed
-from bench.identify.dynamics.leaning import leaning, seems_to_lean
+from bench.identify.dynamics.held_out import SAME, Problems, hold_out, missed
 from bench.identify.dynamics.normal import Weighed, normal_of, width_errors
 from bench.identify.dynamics.parameters import Layout
-from bench.identify.dynamics.presliding import late, likeliest_travel
-from bench.identify.dynamics.prior import Prior, Widths, prior_of, weighed
+from bench.identify.dynamics.prior import Prior, prior_of, weighed
 from bench.identify.dynamics.rival import Rival, rival_of
 from bench.identify.dynamics.rows import DriveRows, rows_of
 from bench.identify.dynamics.samples import motion_samples
 from bench.identify.dynamics.solve import Solution, solve
+from bench.identify.dynamics.stages import Setting
 from bench.record.campaign import Array, Campaign
 from bench.robot.nominal_dynamics import NominalDynamics
-
-
-@dataclass(frozen=True)
-class _Fit:
-    """A posterior, what it misses of what was held out, and the equations that it is of."""
-
-    solution: Solution
-    beside: Missed
-    stretches: tuple[Equations, ...]
 
 
 def first_pass(
@@ -73,72 +57,14 @@ def first_pass(
             "moves and its torque was read; state a higher cut-off, or record for longer."
         )
     prior = prior_of(layout, nominal, arm, *_sizes(rows, layout, nominal.speed_limit))
-    folds = folds_of(stretches)
-
-    def existing(found: Solution) -> FoundArm:
-        bodies = _bodies(layout, arm, prior, found, nominal)
-        return found_arm(nominal, arm, layout, _existing(bodies, found, prior))
-
-    def solved(parts: Sequence[Equations], *, find_delay: bool = find_delay, begin: Widths | None = None) -> Solution:
-        given = rows_of(parts, layout, band, arm, nominal), prior, band.cutoff_hz, np.ones(layout.n)
-        return solve(*given, find_delay, begin=begin)
-
-    rubbing = existing(solved(stretches))
-    stretches = loaded(stretches, rubbing, band)
-    rows = rows_of(stretches, layout, band, arm, nominal)
-    solution, beside = with_its_delay(rows, prior, band, folds, find_delay=find_delay)
-
-    def turning_about(find_delay: bool) -> tuple[Array, tuple[Equations, ...], tuple[DriveRows, ...]]:
-        about_it = partial(solved, find_delay=find_delay, begin=solution.widths)
-        travel = likeliest_travel(stretches, layout, prior, band, solution, about_it)
-        late_stretches = late(stretches, travel, band)
-        return travel, late_stretches, rows_of(late_stretches, layout, band, arm, nominal)
-
-    travel, late_stretches, late_rows = turning_about(solution.delay != 0)
-    asked = turning_late(_with_rows(solution, late_rows, layout.size), prior)
-    if turns_late := asked != solution.widths:
-        turning, beside_turning = with_its_delay(late_rows, prior, band, folds, find_delay=find_delay, turns_late=True)
-        if turns_late := beside_turning.surely_less_than(beside):
-            # late friction may have been a delay, about which its travels were found
-            if (turning.delay != 0) != (solution.delay != 0):
-                travel, late_stretches, late_rows = turning_about(turning.delay != 0)
-                turning, beside_turning = with_its_delay(
-                    late_rows, prior, band, folds, find_delay=turning.delay != 0, turns_late=True
-                )
-            solution, beside = turning, beside_turning
-
-    def fitted(parts: tuple[Equations, ...], begin: Widths | None = None) -> _Fit:
-        own = rows_of(parts, layout, band, arm, nominal)
-        given = own, prior, band, folds
-        return _Fit(*with_its_delay(*given, find_delay=find_delay, turns_late=turns_late, begin=begin), parts)
-
-    def softness(parts: Sequence[Equations]) -> Array:
-        return solved(parts).parameters[layout.softness]
-
-    def winding_too(now: _Fit, begin: Widths | None = None) -> tuple[Bending | None, _Fit]:
-        bending, parts = _winding_forwards(bending_of(existing(now.solution)), now.stretches, band, softness)
-        wound = fitted(parts, begin) if bending.winds.any() else now
-        return (bending, wound) if wound.beside.surely_less_than(now.beside) else (None, now)
-
-    bending, fit = winding_too(_Fit(solution, beside, late_stretches))
-    tilted = leaning(fit.stretches, arm, nominal)
-    likely = solved(tilted, find_delay=fit.solution.delay != 0, begin=fit.solution.widths)
-    if leans := seems_to_lean(likely, layout):
-        leant = fitted(tilted, fit.solution.widths)
-        if leans := leant.beside.surely_less_than(fit.beside):
-            # that was noise so far, about which all else was found: what slewing gears pass on, travels, winding
-            begin, rubbing = leant.solution.widths, existing(leant.solution)
-            stretches = leaning(loaded(stretches, rubbing, band), arm, nominal)
-            if turns_late:
-                about_it = partial(solved, find_delay=leant.solution.delay != 0, begin=begin)
-                travel = likeliest_travel(stretches, layout, prior, band, leant.solution, about_it)
-            bending, fit = winding_too(fitted(late(stretches, travel, band), begin), begin)
-    solution, stretches, rows = fit.solution, fit.stretches, tuple(one.rows for one in fit.solution.drives)
+    setting = Setting(layout, band, arm, nominal, prior, folds_of(stretches), find_delay)
+    fit = setting.leaning(setting.winding(setting.turning_late(setting.begun(stretches))))
+    solution, rows = fit.solution, tuple(one.rows for one in fit.solution.drives)
     unsure = width_errors(solution.normal, prior, solution.widths)
     solution = replace(solution, covariance=solution.covariance + unsure)
-    bodies = _bodies(layout, arm, prior, solution, nominal)
     rival = rival_of(layout, base)
     plain = _plain_weights(rows, rival, solution, prior)
+    bodies = setting.bodies(solution)
     problems = Problems(solution, plain, prior, bodies, rival, layout.payloads if layout.carried else ())
     return FirstPass(
         nominal=nominal,
@@ -146,16 +72,16 @@ def first_pass(
         layout=layout,
         base=base,
         band=band,
-        rubbing=rubbing,
-        travel=travel,
-        bending=bending,
-        leans=leans,
-        stretches=stretches,
+        rubbing=fit.rubbing,
+        travel=fit.travel,
+        bending=fit.bending,
+        leans=fit.leans,
+        stretches=fit.stretches,
         problems=problems,
-        parameters=_existing(bodies, solution, prior),
+        parameters=setting.existing(solution),
         rival_parameters=rival.fit(normal_of(plain, solution.delay, layout.size)),
-        folds=folds,
-        held_out=hold_out(problems, folds),
+        folds=setting.folds,
+        held_out=hold_out(problems, setting.folds),
         top_speed=top,
     )
 
@@ -176,42 +102,6 @@ def _layout_of(stretches: Sequence[Equations], band: Band, arm: Arm, nominal: No
         beside.append(missed(solve(rows, prior, band.cutoff_hz, np.ones(layout.n), find_delay=False), prior, folds))
     # what a recording says of its own payload, no other recording can check: no drive may suffer
     return each if beside[1].surely_less_than(beside[0], worse=SAME) else shared
-
-
-def _winding_forwards(
-    bending: Bending, stretches: Sequence[Equations], band: Band, softness: Callable[[Sequence[Equations]], Array]
-) -> tuple[Bending, tuple[Equations, ...]]:
-    """Return the gears that wind up with their torque, for none does against it, and the equations with that.
-
-    Args:
-        bending: How all gears would wind up.
-        stretches: Equations of an arm with rigid gears.
-        band: The filter that they passed.
-        softness: Returns how much softer than stated each gear comes out, shape (n,).
-    """
-    found = tuple(bent(part, bending, band) for part in stretches)
-    while np.any(backwards := bending.winds & (softness(found) < 0)):
-        bending = replace(bending, winds=bending.winds & ~backwards)
-        found = tuple(replace(part, winding=part.winding * bending.winds) for part in found)
-    return bending, found
-
-
-def _bodies(layout: Layout, arm: Arm, prior: Prior, solution: Solution, nominal: NominalDynamics) -> Bodies:
-    payload = nominal.payload, nominal.payload_side
-    return bodies_of(layout, arm.joint_names, prior.mean, solution.prior_sigma, *payload)
-
-
-def _existing(bodies: Bodies, solution: Solution, prior: Prior) -> Array:
-    """Return the most probable parameters of bodies that can exist, shape (p,)."""
-    factor = prior.factor(solution.widths)
-    return nearest(bodies, solution.parameters, prior.mean, factor, solution.normal.gram)
-
-
-def _with_rows(solution: Solution, rows: Sequence[DriveRows], size: int) -> Solution:
-    """Return a solution with the normal equations of other rows, about the same parameters and weighted alike."""
-    about = solution.parameters
-    drives = tuple(Weighed.about(new, about, old.weight) for new, old in zip(rows, solution.drives, strict=True))
-    return replace(solution, drives=drives, normal=normal_of(drives, solution.delay, size))
 
 
 def _sizes(rows: Sequence[DriveRows], layout: Layout, speed_limit: Array) -> tuple[Array, Array]:
