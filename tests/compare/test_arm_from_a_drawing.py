@@ -13,7 +13,7 @@ from bench.compare.as_it_was import FITS, as_it_was
 from bench.compare.compare import compare
 from bench.compare.comparison import Comparison
 from bench.compare.recordings import recordings_of
-from bench.diagnose.extend.fit import Fit
+from bench.diagnose.extend.fit import Fit, Key, unknowns_of
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
@@ -32,6 +32,8 @@ PAYLOAD = 3.0  # [kg], of which nothing is stated
 UNSTATED: Load = (PAYLOAD, stranger.MIDDLE)
 LIGHT: Load = (3.0, (0.1, 0.05, -0.05))
 HEAVY: Load = (9.0, (-0.15, 0.1, 0.1))
+ROUNDING = 1e-12  # of a size in steps of its signature, back in its unit
+BALANCED = 60.0  # [Nm], by a spring of which nothing is stated
 
 
 @pytest.fixture(scope="module")
@@ -109,6 +111,42 @@ def with_ripple(campaign: Campaign) -> Campaign:
     return replace(campaign, runs=tuple(runs))
 
 
+def with_balancer(campaign: Campaign) -> Campaign:
+    """Return the campaign with a spring that carries a part of what hangs on the second joint; nobody stated it."""
+    runs = []
+    for run in campaign.runs:
+        torque = run.columns["tau_motor_2_nm"] + BALANCED * np.sin(run.columns["q_motor_2_rad"] + 0.1)
+        runs.append(replace(run, columns={**run.columns, "tau_motor_2_nm": torque}))
+    return replace(campaign, runs=tuple(runs))
+
+
+def test_no_fit_begins_where_no_machine_can_be(
+    arm: CompiledRobot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With a spring that nobody stated, signatures asked for a payload of -8 kg and viscous friction that drives.
+
+    Cut off at none, the payload left its moments, and the friction that made up for it, without a mass.
+    """
+    begun: list[tuple[tuple[Cause, ...], Mapping[Key, float]]] = []
+
+    def noted(
+        linear: LinearisedModel, causes: Sequence[Cause], start: Mapping[Key, float], *more: Any, **how: Any
+    ) -> Fit:
+        begun.append((tuple(causes), start))
+        return refit(linear, (), {})
+
+    monkeypatch.setattr(as_it_was_module, "refit", noted)
+    as_it_was(with_balancer(recorded(arm, 1)), arm, tmp_path)
+    told = [(causes, start) for causes, start in begun if start]
+    assert told
+    for causes, start in told:
+        for unknown in unknowns_of(causes):
+            low, high = unknown.bounds
+            assert np.clip(start[unknown.key], low, high) == pytest.approx(start[unknown.key], rel=ROUNDING), (
+                unknown.words
+            )
+
+
 def test_what_a_diagnosis_handed_over_is_not_looked_for_again(
     arm: CompiledRobot, fitted: CompiledRobot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -119,9 +157,9 @@ def test_what_a_diagnosis_handed_over_is_not_looked_for_again(
     before = with_ripple(recorded(arm, 1))
     fits: list[int] = []
 
-    def counted(linear: LinearisedModel, causes: Sequence[Cause], *more: Any) -> Fit:
+    def counted(linear: LinearisedModel, causes: Sequence[Cause], *more: Any, **how: Any) -> Fit:
         fits.append(len(causes))
-        return refit(linear, tuple(causes), *more)
+        return refit(linear, tuple(causes), *more, **how)
 
     monkeypatch.setattr(as_it_was_module, "refit", counted)
     handed = as_it_was(before, fitted, tmp_path / "handed", is_handed_over=True)
