@@ -11,7 +11,9 @@ import pytest
 import bench.compare.as_it_was as as_it_was_module
 from bench.compare.as_it_was import FITS, as_it_was
 from bench.compare.compare import compare
-from bench.compare.comparison import Comparison
+from bench.compare.comparison import Comparison, LeftBefore
+from bench.compare.joint import joint_of
+from bench.compare.left_before import left_before
 from bench.compare.recordings import recordings_of
 from bench.diagnose.extend.fit import Fit, Key, unknowns_of
 from bench.diagnose.extend.refit import refit
@@ -19,6 +21,7 @@ from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE
+from bench.executor.watched import Stop, Stopped
 from bench.record.campaign import Array, Campaign, Run
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
@@ -145,6 +148,49 @@ def test_no_fit_begins_where_no_machine_can_be(
             assert np.clip(start[unknown.key], low, high) == pytest.approx(start[unknown.key], rel=ROUNDING), (
                 unknown.words
             )
+
+
+def test_a_fit_ends_when_it_is_asked_to(arm: CompiledRobot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`--at-most` and Ctrl-C were not looked at before all was fitted, 50 s for a stranger's palletising arm."""
+    now = [0.0]
+    stop = Stop(60.0, clock=lambda: now[0])
+    begun: list[int] = []
+
+    def late(linear: LinearisedModel, causes: Sequence[Cause], *more: Any, **how: Any) -> Fit:
+        begun.append(len(causes))
+        now[0] = 61.0 if causes else 0.0
+        return refit(linear, tuple(causes), *more, **how)
+
+    monkeypatch.setattr(as_it_was_module, "refit", late)
+    with pytest.raises(Stopped, match="60 s"):
+        as_it_was(recorded(arm, 1), arm, tmp_path, check=stop.check)
+    assert [bool(count) for count in begun] == [False, True]
+
+
+def far_from_before(robot: CompiledRobot, before: Campaign, after: Campaign) -> tuple[LeftBefore, ...]:
+    few = {"rotor_inertia": catalogue()["rotor_inertia"]}
+    return left_before(joint_of(recordings_of({"before": before}, {"after": after}), robot, few))
+
+
+def test_how_far_a_robot_is_from_before_has_no_part_of_what_changed(arm: CompiledRobot, fitted: CompiledRobot) -> None:
+    """A robot without friction, and one with it, while friction doubles."""
+    before, same, other = recorded(arm, 1), recorded(arm, 2), recorded(arm, 3, more_friction=1.0)
+    far = [far_from_before(arm, before, after) for after in (same, other)]
+    assert {one.column for one in far[0]} == {f"tau_motor_{j}_nm" for j in (1, 2, 3)}
+    assert min(one.times for one in far[0]) > 10
+    assert [one.column for one in far[0]] == [one.column for one in far[1]]
+    np.testing.assert_allclose([one.times for one in far[0]], [one.times for one in far[1]], rtol=1e-6)
+    assert far_from_before(fitted, before, other) == ()
+
+
+def test_a_spring_that_nobody_stated_is_not_taken_for_links_and_payload(arm: CompiledRobot, tmp_path: Path) -> None:
+    """The second link came out as 8 g in place of 8 kg, at ten times the noise."""
+    both = with_balancer(recorded(arm, 1))
+    before = replace(both, runs=both.runs[:1])
+    held = as_it_was(before, arm, tmp_path)
+    assert far_from_before(held, before, with_balancer(recorded(arm, 2))) == ()
+    np.testing.assert_allclose(held.motor_coulomb, stranger.COULOMB, rtol=0.1)
+    assert held.model.body("l2").mass[0] > stranger.MASS[1] / 2
 
 
 def test_what_a_diagnosis_handed_over_is_not_looked_for_again(
