@@ -185,8 +185,7 @@ def test_how_far_a_robot_is_from_before_has_no_part_of_what_changed(arm: Compile
 
 def test_a_spring_that_nobody_stated_is_not_taken_for_links_and_payload(arm: CompiledRobot, tmp_path: Path) -> None:
     """The second link came out as 8 g in place of 8 kg, at ten times the noise."""
-    both = with_balancer(recorded(arm, 1))
-    before = replace(both, runs=both.runs[:1])
+    before = with_balancer(recorded(arm, 1))
     held = as_it_was(before, arm, tmp_path)
     assert far_from_before(held, before, with_balancer(recorded(arm, 2))) == ()
     np.testing.assert_allclose(held.motor_coulomb, stranger.COULOMB, rtol=0.1)
