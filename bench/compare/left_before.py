@@ -4,6 +4,8 @@ What changed has no part in it. What stayed cancels where recordings have one mo
 is; what a change would look like does not.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from bench.compare.as_it_was import FITS
@@ -11,17 +13,20 @@ from bench.compare.comparison import LeftBefore
 from bench.compare.joint import Joint
 from bench.diagnose.cross_validation.floor import floor_variance
 from bench.diagnose.linearise.marginal import Nuisances
+from bench.diagnose.linearise.other_noise import with_scatter
 
 
 def left_before(joint: Joint) -> tuple[LeftBefore, ...]:
     """Return the channels of which the robot leaves more than `FITS` times what a right model would, the worst first.
 
-    To every recording before all is fitted that may be off in the robot and in the readings, nothing else.
+    To every recording before all is fitted that may be off in the robot and in the readings, nothing else. Friction at
+    rest counts as new each time, as in a diagnosis: that it repeats is no merit of the robot.
 
     Args:
         joint: All recordings.
     """
-    linear, of_row, of_instant = joint.linear, joint.of_row, joint.of_instant
+    linear = with_scatter(joint.linear, replace(joint.linear.scatter, new=1.0))
+    of_row, of_instant = joint.of_row, joint.of_instant
     square = linear.residual**2
     is_before = np.zeros(len(of_instant), dtype=bool)
     for k, recording in enumerate(joint.recordings):
