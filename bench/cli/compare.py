@@ -81,15 +81,17 @@ class Compare:
         out = new_folder(self.out, COMPARISON, replace=False) if self.out else nullcontext()
         try:
             with ending_on_interrupt(stop), out as folder, phases() as shown, TemporaryDirectory() as files:
+                executor = Watched(on_cores(self.cores), check=stop.check, shows=shown.share)
                 shown.phase("the robot as it was")
                 is_handed_over = robot is not None and known_of(robot.folder) is not None
-                fitted = as_it_was(before, compiled, Path(files), is_handed_over=is_handed_over)
+                begun = before, compiled, Path(files)
+                fitted = as_it_was(*begun, is_handed_over=is_handed_over, executor=executor, check=stop.check)
                 found = compare(
                     recordings,
                     fitted,
                     effects,
                     progress=shown.phase,
-                    executor=Watched(on_cores(self.cores), check=stop.check, shows=shown.share),
+                    executor=executor,
                     store=open_store() if self.store else None,
                     check=stop.check,
                 )

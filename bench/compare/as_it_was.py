@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from bench.compare.free_torques import acting_in, beside, free_torques
 from bench.diagnose.diagnose import FALSE_ALARM_RATE
 from bench.diagnose.explain import measured_by, recorded_by
 from bench.diagnose.extend.fit import Fit, Key
@@ -16,6 +17,7 @@ from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.linearise.screening import Screening
 from bench.diagnose.linearise.signatures import Signatures
 from bench.diagnose.name.beginning import what_is_left_out
+from bench.diagnose.name.candidate_model import CandidateModel
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.neighbourhood import Neighbourhood
 from bench.diagnose.replay.fitted import figures_with, zeros_in
@@ -32,7 +34,10 @@ from bench.effects.division import divided, payload_as_body
 from bench.effects.fitted import entry_of
 from bench.effects.gas import CounterbalanceGas
 from bench.errors import NOT_SIMULATED
-from bench.record.campaign import Campaign
+from bench.executor.contract import Executor
+from bench.executor.serial import SERIAL
+from bench.executor.watched import Check, never
+from bench.record.campaign import Array, Campaign
 from bench.record.carried import with_payloads
 from bench.robot.compiled import CompiledRobot, compile_robot, compile_spec, read_spec
 from bench.robot.fitted import Fitted
@@ -45,7 +50,13 @@ FITS = 2.0  # declared: times the noise, that stated figures leave of a robot wh
 
 
 def as_it_was(
-    before: Campaign, compiled: CompiledRobot, folder: Path, *, is_handed_over: bool = False
+    before: Campaign,
+    compiled: CompiledRobot,
+    folder: Path,
+    *,
+    is_handed_over: bool = False,
+    executor: Executor = SERIAL,
+    check: Check = never,
 ) -> CompiledRobot:
     """Return the robot with its figures fitted to what was recorded before, as it was last seen there.
 
@@ -53,7 +64,8 @@ def as_it_was(
     2 % moves the part of the current that a wrong inertia left over by 2 %, too. Linear about the nominal robot that is
     left out, and was named as a change of inertia. Where figures alone do not fit, friction, a payload and a delay that
     nobody stated are fitted with them, and the gas that a model leaves out, if that is likelier: else torque constants
-    would stand for all friction, and links for the gas.
+    would stand for all friction, and links for the gas. Where even so not all is explained, a torque over the angle of
+    every joint is fitted with it (`free_torques.py`).
 
     A robot that a diagnosis handed over has all that the machine has. What it leaves of the noise is what the diagnosis
     could not explain either, so only what may be another one in each recording is asked for, where signatures show it.
@@ -63,6 +75,11 @@ def as_it_was(
         compiled: The robot to begin with; it is returned where no model can be fitted to them.
         folder: For the files of the fitted robot, which have to stay for as long as it is used.
         is_handed_over: Whether a finished diagnosis handed the robot over.
+        executor: Where to simulate signatures; the result does not depend on it.
+        check: Called before every simulation of a fit; where it raises `Stopped`, there is no such robot.
+
+    Raises:
+        Stopped: Before all was fitted.
     """
     campaign = with_payloads(before)
     quantities = quantities_of(campaign.runs, compiled)
@@ -77,17 +94,17 @@ def as_it_was(
     causes = causes_of([*known.values()], compiled, measured, recorded)
     with threadpool_limits(1, "blas"):  # as all of a comparison: threads would change roundings, and cost time
         try:
-            linear = linearised_model_of(Replay(compiled, segments, quantities), nuisances)
-            fit = refit(linear, (), {})
-            if causes and np.sqrt(np.mean(linear.whiten(fit.residual) ** 2)) > FITS:
-                changes = Signatures(compiled, quantities, nuisances, causes).sensitivities(segments)
-                around = Neighbourhood(compiled, known, measured, FALSE_ALARM_RATE, recorded=recorded)
+            changes = Signatures(compiled, quantities, nuisances, causes).sensitivities(segments, executor)
+            linear = linearised_model_of(Replay(compiled, segments, quantities), nuisances, changes.nuisances)
+            fit = _fitted(linear, (), {}, check)
+            world = fit.world(linear)
+            if causes and _left(linear, fit) > FITS:
+                around = Neighbourhood(compiled, known, measured, FALSE_ALARM_RATE, executor, recorded)
                 weighed, screening = around.weighed(linear, causes, changes)
                 if not is_handed_over or _shows(screening):
                     candidate = what_is_left_out(weighed, screening, Model(fit), known)
-                    tried = (_settled(linear, candidate.causes, start) for start in ({}, candidate.start))
-                    fit = max(fit, *tried, key=lambda one: one.log_evidence)
-            return _written(compiled, as_of(fit.world(linear), recordings_of(segments)[-1]), folder / "robot")
+                    world = _with_what_is_left_out(linear, fit, candidate, check, may_be_held=not is_handed_over)
+            return _written(compiled, as_of(world, recordings_of(segments)[-1]), folder / "robot")
         except NOT_SIMULATED:
             return compiled
 
@@ -97,7 +114,39 @@ def _shows(screening: Screening) -> bool:
     return any(entry.cause and entry.log_evidence > screening.threshold for entry in screening.entries)
 
 
-def _settled(linear: LinearisedModel, causes: tuple[Cause, ...], start: Mapping[Key, float]) -> Fit:
+def _left(linear: LinearisedModel, fit: Fit) -> float:
+    """Return what a fit leaves, the root mean square in standard deviations."""
+    return float(np.sqrt(np.mean(linear.whiten(fit.residual) ** 2)))
+
+
+def _with_what_is_left_out(
+    linear: LinearisedModel, nominal: Fit, candidate: CandidateModel, check: Check, *, may_be_held: bool
+) -> World:
+    """Return the likeliest world: with figures alone, with what nobody stated, or with torques over angles beside it.
+
+    Args:
+        linear: The campaign.
+        nominal: Fit of the figures alone.
+        candidate: What nobody stated.
+        check: Called before every simulation.
+        may_be_held: Whether something else may hold the joints, which is asked where even so not all is explained.
+    """
+    starts: tuple[Mapping[Key, float], ...] = ({}, candidate.start)
+    fits = [_settled(linear, candidate.causes, start, check) for start in starts]
+    best = max(nominal, *fits, key=lambda one: one.log_evidence)
+    if not may_be_held or _left(linear, best) <= FITS:
+        return best.world(linear)
+    torques = free_torques(linear)
+    design = beside(linear, torques)
+    fits = [_settled(design, candidate.causes, start, check) for start in starts]
+    other = max(fits, key=lambda one: one.log_evidence)
+    if other.log_evidence < best.log_evidence:
+        return best.world(linear)
+    world = other.world(design)
+    return World(world.deviations, (*world.acting, *acting_in(linear, torques, other)))
+
+
+def _settled(linear: LinearisedModel, causes: tuple[Cause, ...], start: Mapping[Key, float], check: Check) -> Fit:
     """Return a fit of figures and causes together, settled.
 
     One that was not put what a payload of 7.3 kg weighs into the centre of mass of the last link, ten standard
@@ -105,12 +154,23 @@ def _settled(linear: LinearisedModel, causes: tuple[Cause, ...], start: Mapping[
     moment without a mass shows nothing: from causes of no size, 5 kg half a metre beside a payload of 9 kg, at 76 times
     the noise; from what signatures say, 0.05 kg in place of 3 kg.
     """
-    fit = refit(linear, causes, start)
+    fit = _fitted(linear, causes, start, check)
     for _ in range(MOST_FITS):
-        before, fit = fit, refit(linear, causes, fit.start, fit.nuisances)
+        before, fit = fit, _fitted(linear, causes, fit.start, check, fit.nuisances)
         if fit.log_evidence - before.log_evidence < SETTLED:
             break
     return fit
+
+
+def _fitted(
+    linear: LinearisedModel,
+    causes: tuple[Cause, ...],
+    start: Mapping[Key, float],
+    check: Check,
+    nuisances: Array | None = None,
+) -> Fit:
+    """Return a fit of figures and causes; it is stopped before any of its simulations."""
+    return refit(linear, causes, start, nuisances, progress=lambda share: check())
 
 
 def _written(compiled: CompiledRobot, world: World, folder: Path) -> CompiledRobot:

@@ -16,6 +16,7 @@ from bench.compare.explain import explanations_of, findings_of
 from bench.compare.fit_large import found_large
 from bench.compare.joint import Joint, joint_of
 from bench.compare.large import LargeChange
+from bench.compare.left_before import left_before
 from bench.compare.moved_along import moved_along
 from bench.compare.profiles import profiles_of
 from bench.compare.recordings import Recording, days_of
@@ -156,6 +157,7 @@ def comparison_of(background: Background, found: Found, rate: float) -> Comparis
         noise=_noise(background),
         drifts=drifts_of(background, found),
         left_out=background.joint.left_out,
+        left_before=left_before(background.joint),
     )
 
 

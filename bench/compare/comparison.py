@@ -215,6 +215,20 @@ class ChannelNoise:
 
 
 @dataclass(frozen=True)
+class LeftBefore:
+    """A channel that the robot as it was misses in what was recorded before, by far more than a right model would.
+
+    Attributes:
+        column: Name.
+        times: Root mean square of what it leaves, figures fitted, in what is expected of a right model
+            (`diagnose/cross_validation/floor.py`).
+    """
+
+    column: str
+    times: float
+
+
+@dataclass(frozen=True)
 class Comparison:
     """What changed.
 
@@ -230,6 +244,8 @@ class Comparison:
         noise: How well channels repeat.
         drifts: What drifted from day to day, where the recordings tell it, beside the likeliest explanation.
         left_out: Columns that were read before or after alone, and say nothing of a change.
+        left_before: Channels that the robot as it was misses before, the worst first: the names of what changed are no
+            better than that robot.
         unfinished: Why it ended before it was done; None: it was.
     """
 
@@ -244,6 +260,7 @@ class Comparison:
     noise: tuple[ChannelNoise, ...]
     drifts: tuple[Drift, ...] = ()
     left_out: tuple[str, ...] = ()
+    left_before: tuple[LeftBefore, ...] = ()
     unfinished: Unfinished | None = None
 
     @property

@@ -16,7 +16,6 @@ from bench.cli.compare import CHANGED
 from bench.cli.stopping import UNFINISHED
 from bench.diagnose.replay.posterior import Posterior
 from bench.errors import InputError
-from bench.record.campaign import Campaign
 from bench.record.known import Known
 from bench.record.write import write_campaign
 from bench.report.handover.posterior_file import write_posterior
@@ -129,7 +128,7 @@ def test_a_robot_is_known_to_be_handed_over(
         write_posterior(found / "robot", Posterior((), np.empty((0, 0))))
     given: list[bool] = []
 
-    def asked(_before: Campaign, _compiled: CompiledRobot, _folder: Path, *, is_handed_over: bool) -> CompiledRobot:
+    def asked(*_given: object, is_handed_over: bool, **_how: object) -> CompiledRobot:
         given.append(is_handed_over)
         raise InputError("that is all that was asked")
 

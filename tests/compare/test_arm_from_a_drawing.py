@@ -11,14 +11,17 @@ import pytest
 import bench.compare.as_it_was as as_it_was_module
 from bench.compare.as_it_was import FITS, as_it_was
 from bench.compare.compare import compare
-from bench.compare.comparison import Comparison
+from bench.compare.comparison import Comparison, LeftBefore
+from bench.compare.joint import joint_of
+from bench.compare.left_before import left_before
 from bench.compare.recordings import recordings_of
-from bench.diagnose.extend.fit import Fit
+from bench.diagnose.extend.fit import Fit, Key, unknowns_of
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE
+from bench.executor.watched import Stop, Stopped
 from bench.record.campaign import Array, Campaign, Run
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
@@ -32,6 +35,8 @@ PAYLOAD = 3.0  # [kg], of which nothing is stated
 UNSTATED: Load = (PAYLOAD, stranger.MIDDLE)
 LIGHT: Load = (3.0, (0.1, 0.05, -0.05))
 HEAVY: Load = (9.0, (-0.15, 0.1, 0.1))
+ROUNDING = 1e-12  # of a size in steps of its signature, back in its unit
+BALANCED = 60.0  # [Nm], by a spring of which nothing is stated
 
 
 @pytest.fixture(scope="module")
@@ -109,6 +114,84 @@ def with_ripple(campaign: Campaign) -> Campaign:
     return replace(campaign, runs=tuple(runs))
 
 
+def with_balancer(campaign: Campaign) -> Campaign:
+    """Return the campaign with a spring that carries a part of what hangs on the second joint; nobody stated it."""
+    runs = []
+    for run in campaign.runs:
+        torque = run.columns["tau_motor_2_nm"] + BALANCED * np.sin(run.columns["q_motor_2_rad"] + 0.1)
+        runs.append(replace(run, columns={**run.columns, "tau_motor_2_nm": torque}))
+    return replace(campaign, runs=tuple(runs))
+
+
+def test_no_fit_begins_where_no_machine_can_be(
+    arm: CompiledRobot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With a spring that nobody stated, signatures asked for a payload of -8 kg and viscous friction that drives.
+
+    Cut off at none, the payload left its moments, and the friction that made up for it, without a mass.
+    """
+    begun: list[tuple[tuple[Cause, ...], Mapping[Key, float]]] = []
+
+    def noted(
+        linear: LinearisedModel, causes: Sequence[Cause], start: Mapping[Key, float], *more: Any, **how: Any
+    ) -> Fit:
+        begun.append((tuple(causes), start))
+        return refit(linear, (), {})
+
+    monkeypatch.setattr(as_it_was_module, "refit", noted)
+    as_it_was(with_balancer(recorded(arm, 1)), arm, tmp_path)
+    told = [(causes, start) for causes, start in begun if start]
+    assert told
+    for causes, start in told:
+        for unknown in unknowns_of(causes):
+            low, high = unknown.bounds
+            assert np.clip(start[unknown.key], low, high) == pytest.approx(start[unknown.key], rel=ROUNDING), (
+                unknown.words
+            )
+
+
+def test_a_fit_ends_when_it_is_asked_to(arm: CompiledRobot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`--at-most` and Ctrl-C were not looked at before all was fitted, 50 s for a stranger's palletising arm."""
+    now = [0.0]
+    stop = Stop(60.0, clock=lambda: now[0])
+    begun: list[int] = []
+
+    def late(linear: LinearisedModel, causes: Sequence[Cause], *more: Any, **how: Any) -> Fit:
+        begun.append(len(causes))
+        now[0] = 61.0 if causes else 0.0
+        return refit(linear, tuple(causes), *more, **how)
+
+    monkeypatch.setattr(as_it_was_module, "refit", late)
+    with pytest.raises(Stopped, match="60 s"):
+        as_it_was(recorded(arm, 1), arm, tmp_path, check=stop.check)
+    assert [bool(count) for count in begun] == [False, True]
+
+
+def far_from_before(robot: CompiledRobot, before: Campaign, after: Campaign) -> tuple[LeftBefore, ...]:
+    few = {"rotor_inertia": catalogue()["rotor_inertia"]}
+    return left_before(joint_of(recordings_of({"before": before}, {"after": after}), robot, few))
+
+
+def test_how_far_a_robot_is_from_before_has_no_part_of_what_changed(arm: CompiledRobot, fitted: CompiledRobot) -> None:
+    """A robot without friction, and one with it, while friction doubles."""
+    before, same, other = recorded(arm, 1), recorded(arm, 2), recorded(arm, 3, more_friction=1.0)
+    far = [far_from_before(arm, before, after) for after in (same, other)]
+    assert {one.column for one in far[0]} == {f"tau_motor_{j}_nm" for j in (1, 2, 3)}
+    assert min(one.times for one in far[0]) > 10
+    assert [one.column for one in far[0]] == [one.column for one in far[1]]
+    np.testing.assert_allclose([one.times for one in far[0]], [one.times for one in far[1]], rtol=1e-6)
+    assert far_from_before(fitted, before, other) == ()
+
+
+def test_a_spring_that_nobody_stated_is_not_taken_for_links_and_payload(arm: CompiledRobot, tmp_path: Path) -> None:
+    """The second link came out as 8 g in place of 8 kg, at ten times the noise."""
+    before = with_balancer(recorded(arm, 1))
+    held = as_it_was(before, arm, tmp_path)
+    assert far_from_before(held, before, with_balancer(recorded(arm, 2))) == ()
+    np.testing.assert_allclose(held.motor_coulomb, stranger.COULOMB, rtol=0.1)
+    assert held.model.body("l2").mass[0] > stranger.MASS[1] / 2
+
+
 def test_what_a_diagnosis_handed_over_is_not_looked_for_again(
     arm: CompiledRobot, fitted: CompiledRobot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -119,9 +202,9 @@ def test_what_a_diagnosis_handed_over_is_not_looked_for_again(
     before = with_ripple(recorded(arm, 1))
     fits: list[int] = []
 
-    def counted(linear: LinearisedModel, causes: Sequence[Cause], *more: Any) -> Fit:
+    def counted(linear: LinearisedModel, causes: Sequence[Cause], *more: Any, **how: Any) -> Fit:
         fits.append(len(causes))
-        return refit(linear, tuple(causes), *more)
+        return refit(linear, tuple(causes), *more, **how)
 
     monkeypatch.setattr(as_it_was_module, "refit", counted)
     handed = as_it_was(before, fitted, tmp_path / "handed", is_handed_over=True)

@@ -12,7 +12,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.extend.fit import Fit, Key, fit_without, pseudo_residual
+from bench.diagnose.extend.fit import Fit, Key, Unknown, fit_without, pseudo_residual
+from bench.diagnose.extend.steps import bounded_step
 from bench.diagnose.linearise.candidates import Candidate, Cause
 from bench.diagnose.linearise.generic import Block
 from bench.diagnose.linearise.linearised_model import LinearisedModel
@@ -154,11 +155,19 @@ class SearchSpace:
         return self.present[-1:] if self.about.shape else ()
 
     def candidate_of(self, which: Sequence[int]) -> CandidateModel:
-        """Return the model of some terms, to be fitted from what the linearised model says of their sizes."""
+        """Return the model of some terms, to be fitted from what the linearised model says of their sizes.
+
+        The fit that begins there has bounds. A size that the linearised model wants beyond them stops there, and the
+        others are those that are most probable beside it: a payload of -29 kg left its moments without a mass, and
+        friction that had to make up for it.
+        """
         start: dict[Key, float] = {}
         causes: list[Cause] = []
         shape: Block | None = None
-        sizes = self.model.sizes(which) if len(which) else np.empty(0)
+        sizes = np.empty(0)
+        if len(which):
+            bounds = [_bounds(self.what[i], len(self.model.terms[i].columns)) for i in which]
+            sizes = bounded_step(*self.model.equations(which), *np.concatenate(bounds, axis=1))
         of_shape: tuple[float, ...] = ()
         for i in which:
             term, what = self.model.terms[i], self.what[i]
@@ -259,6 +268,23 @@ def _removal(linear: LinearisedModel, fit: Fit, cause: Cause) -> tuple[Array, Ar
     if np.any(x):
         tangent = tangent + np.outer(removed - tangent @ sizes, x / (x @ x)) / scale
     return removed, tangent
+
+
+def _bounds(what: Entry | Cause, k: int) -> Array:
+    """Return the least and the largest sizes with which a fit of a term may begin, shape (2, k); inf where any may.
+
+    Args:
+        what: The term. Sizes of a cause that is in the model already are those of its fit.
+        k: Number of its columns.
+    """
+    if isinstance(what, Cause) or not isinstance(what.what, Candidate):
+        return np.stack([np.full(k, -np.inf), np.full(k, np.inf)])
+    candidate = what.what
+    null = np.array([size.null for size in candidate.cause.sizes])
+    ends = (
+        np.array([Unknown(candidate.cause, size).bounds for size in candidate.cause.sizes]).T - null
+    ) / candidate.step
+    return np.sort(ends, axis=0)
 
 
 def _values(candidate: Candidate, sizes: Array) -> dict[Key, float]:

@@ -76,10 +76,6 @@ class SubsetPosterior:
             total += float(np.sum(log_half_normal(mean * sign, deviation, sign)))
         return total + sum(term.log_odds for term in terms)
 
-    def sizes(self, which: Sequence[int]) -> Array:
-        """Return the most probable sizes of the columns of some terms, one term after the other."""
-        return self._sizes(*self._root(which))
-
     @staticmethod
     def _sizes(root: Array, pull: Array) -> Array:
         return _solved(root, pull, transposed=True)

@@ -18,7 +18,14 @@ from bench.report.comparison.names import (
     title_of,
     unit_words,
 )
-from bench.report.comparison.words import NONLINEAR, basis_sentence, drift_sentences, headline, unfinished_sentence
+from bench.report.comparison.words import (
+    NONLINEAR,
+    basis_sentence,
+    drift_sentences,
+    headline,
+    left_before_sentence,
+    unfinished_sentence,
+)
 from bench.report.diagnosis.names import capital, channel_name
 from bench.report.diagnosis.numbers import percent
 from bench.report.html import Filters, render
@@ -88,6 +95,7 @@ def page_of(comparison: Comparison, robot: str, command: str) -> str:
         command=command,
         headline=headline(comparison),
         unfinished=unfinished_sentence(comparison),
+        left_before=left_before_sentence(comparison),
         basis=basis_sentence(comparison),
         findings=[names_told(finding, comparison) for finding in comparison.findings],
         drifts=tuple(drift_sentences(comparison)),

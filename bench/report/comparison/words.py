@@ -21,7 +21,7 @@ from bench.report.comparison.names import (
     unlisted_words,
 )
 from bench.report.diagnosis.headline import MOST, UNDECIDED
-from bench.report.diagnosis.names import capital, fitting, in_short, listed
+from bench.report.diagnosis.names import capital, channel_name, fitting, in_short, listed
 from bench.report.diagnosis.names import title_of as named_as
 from bench.report.diagnosis.numbers import percent
 
@@ -48,6 +48,21 @@ def headline(comparison: Comparison) -> str:
 def unfinished_sentence(comparison: Comparison) -> str:
     """Return what it means that a comparison is unfinished, "" where it is finished."""
     return UNFINISHED if comparison.unfinished else ""
+
+
+def left_before_sentence(comparison: Comparison) -> str:
+    """Return how far the robot is from what was recorded before, and what to do about it; "" where it is near."""
+    if not comparison.left_before:
+        return ""
+    worst, *others = comparison.left_before
+    before = listed([one.name for one in comparison.recordings if not one.is_after], "and")
+    more = f", and other channels of it too ({len(comparison.left_before)} in all)" if others else ""
+    return (
+        f"The robot as it was leaves {worst.times:.2g} times as much of {channel_name(worst.column)} in {before} as a "
+        f"right model would{more}, so names of what changed may be wrong: diagnose {before} first (bench diagnose) and "
+        "compare with --robot and the folder of that diagnosis, or state in the folder of the robot what it lacks (a "
+        "spring, a load, friction)."
+    )
 
 
 def _headline(comparison: Comparison) -> str:
@@ -106,6 +121,8 @@ def words_of(comparison: Comparison) -> Iterator[str]:
     yield headline(comparison)
     if comparison.unfinished:
         yield unfinished_sentence(comparison)
+    if comparison.left_before:
+        yield left_before_sentence(comparison)
     yield basis_sentence(comparison)
     yield from findings_sentences(comparison)
     yield from drift_sentences(comparison)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.compare.comparison import ChangedFinding, Comparison, Explanation, PossibleName
+from bench.compare.comparison import ChangedFinding, Comparison, Explanation, LeftBefore, PossibleName
 from bench.report.comparison.page import lines_of, page_of
 from bench.report.comparison.words import headline, words_of
 from bench.report.comparison.write import COMPARISON, REPORT, write_comparison
@@ -68,6 +68,22 @@ def test_nothing_found_says_what_would_have_been_found() -> None:
     lines = list(words_of(NOTHING))
     assert any("loss of gas, lost 0.30 %" in line for line in lines)
     assert lines[-1].startswith("1 change would not have been found")
+
+
+def test_a_robot_that_is_far_from_what_was_recorded_before_is_said_near_the_top() -> None:
+    """A heavier tool was a link's mass at 99 %, about a robot with a link of 0.1 kg, and nothing said so."""
+    assert not any("--robot" in line for line in words_of(ONE))
+    missed = (LeftBefore("current_2_a", 26.4), LeftBefore("current_1_a", 3.0), LeftBefore("current_3_a", 2.1))
+    far = replace(ONE, left_before=missed)
+    said = list(words_of(far))[1]
+    assert said.startswith("The robot as it was leaves 26 times as much of motor current 2 in")
+    assert ", and other channels of it too (3 in all), so names of what changed may be wrong: " in said
+    assert "too" not in list(words_of(replace(far, left_before=missed[:1])))[1]
+    assert f"diagnose {far.recordings[0].name} first" in said
+    page = page_of(far, "HH-150", "")
+    assert said in page
+    assert page.index(said) < page.index("In full")
+    assert far.as_json()["left_before"][0] == {"column": "current_2_a", "times": 26.4}
 
 
 def test_terminal_gives_every_explanation_with_its_size() -> None:
