@@ -75,19 +75,18 @@ def drive_picture(replay: Replay) -> DrivePicture:
     nominal = replay.predict(NOMINAL)
     rotors = _rotors(replay, nominal)
     missing = [*_payloads(replay, nominal), *_gas(replay, nominal), *rotors]
-    nominal = nominal - sum(rotors)
     shape = trace.q.shape
     seen = replay.observed
     standing = at_each_instant(replay.segments, [segment.standing for segment in replay.segments])
-    observed, model = np.full(shape, np.nan), np.zeros(shape)
+    observed = np.full(shape, np.nan)
     extra, names, units = np.zeros((*shape, len(missing))), [""] * shape[1], np.ones(shape[1])
     for c, quantity in enumerate(replay.quantities):
         j, unit = quantity.index, _in_nm(quantity, replay.compiled)
         observed[:, j], units[j] = unit * seen[:, c], unit
-        model[:, j] = unit * nominal[:, c]
         extra[:, j] = unit * np.stack([change[:, c] for change in missing], axis=1) if missing else extra[:, j]
         names[j] = quantity.column
-    if not (np.all(np.isfinite(model)) and np.all(np.isfinite(extra))):
+    model = _of_joints(replay, nominal - sum(rotors))
+    if not np.all(np.isfinite(extra)):
         raise ConvergenceError("its torques are not finite")
     compiled = replay.compiled
     level = compiled.motor_coulomb + compiled.link_coulomb
@@ -104,6 +103,30 @@ def drive_picture(replay: Replay) -> DrivePicture:
         missing=extra,
         names=tuple(names),
     )
+
+
+def needed_torque(replay: Replay) -> Array:
+    """Return `DrivePicture.model` of a campaign alone, shape (T, n) [Nm].
+
+    Raises:
+        ConvergenceError: The model's torques are not finite.
+    """
+    nominal = replay.predict(NOMINAL)
+    return _of_joints(replay, nominal - sum(_rotors(replay, nominal)))
+
+
+def _of_joints(replay: Replay, nominal: Array) -> Array:
+    """Return what drives read by the model, shape (T, c), as torques of joints, shape (T, n) [Nm]; 0 where none is.
+
+    Raises:
+        ConvergenceError: They are not finite.
+    """
+    model = np.zeros((len(nominal), replay.compiled.n_joints))
+    for c, quantity in enumerate(replay.quantities):
+        model[:, quantity.index] = _in_nm(quantity, replay.compiled) * nominal[:, c]
+    if not np.all(np.isfinite(model)):
+        raise ConvergenceError("its torques are not finite")
+    return model
 
 
 def _payloads(replay: Replay, nominal: Array) -> list[Array]:
