@@ -141,6 +141,8 @@ def one_more_number(repeated: Repeated, told: frozenset[str], store: Store | Non
         store: Where what was simulated is kept between processes; None: nowhere.
     """
     campaign, compiled = repeated.campaign, repeated.compiled
+    if len(campaign.runs) <= OTHERS:
+        return
     quantities = tuple(q for q in repeated.quantities if q.kind != "gas_temperature")
     segments = segments_of(campaign, compiled, quantities, BINS)
     if len({segment.run for segment in segments}) <= OTHERS:
