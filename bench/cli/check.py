@@ -64,12 +64,8 @@ def _of_robot(report: "Report", compiled: "CompiledRobot", *, store: bool) -> tu
     if report.campaign is None:
         return found
 
-    from bench.diagnose.plausibility.channels import doubts_of
-    from bench.diagnose.plausibility.hints import hints_of
-    from bench.diagnose.plausibility.repeated import Repeated
+    from bench.diagnose.plausibility.hints import doubts_and_hints_of
     from bench.store.place import open_store
 
-    repeated = Repeated.of(report.campaign, compiled)
-    found += doubts_of(report.campaign, compiled, report.findings, repeated)
     known = (*report.findings, *found)
-    return found + hints_of(report.campaign, compiled, known, open_store() if store else None, repeated)
+    return found + doubts_and_hints_of(report.campaign, compiled, known, open_store() if store else None)

@@ -50,7 +50,6 @@ class _Content:
             self.folder, findings, Campaign(head.robot, runs, head.started, head.noise, head.notes, self.manifest.known)
         )
 
-
     @cached_property
     def _of_session(self) -> Sequence[Finding]:
         """What the rules find in all sheets together."""

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from bench.diagnose.plausibility.between_runs import too_far_apart
+from bench.diagnose.plausibility.channels import doubts_of
 from bench.diagnose.plausibility.cold_gears import cold_gears
 from bench.diagnose.plausibility.first_look import DriveLook, Factor
 from bench.diagnose.plausibility.known_temperature import known_temperatures
@@ -34,6 +35,25 @@ from bench.store.store import Store
 
 # derived: beyond it a channel's scale is likelier than a torque constant: of an even distribution as wide as its range
 SCALED = SURE * TorqueConstant.parameters[0].high / 3**0.5
+
+
+def doubts_and_hints_of(
+    campaign: Campaign,
+    compiled: CompiledRobot,
+    known: Sequence[Finding] = (),
+    store: Store | None = None,
+) -> tuple[Finding, ...]:
+    """Return a doubt for each channel that can hardly be what its name says, and where nothing is doubted, hints.
+
+    Args:
+        campaign: A checked campaign.
+        compiled: Its robot, nominal.
+        known: What was found before.
+        store: Where what was simulated is kept between processes; None: nowhere.
+    """
+    repeated = Repeated.of(campaign, compiled)
+    doubts = doubts_of(campaign, compiled, known, repeated)
+    return doubts + hints_of(campaign, compiled, (*known, *doubts), store, repeated)
 
 
 def hints_of(

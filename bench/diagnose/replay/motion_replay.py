@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.replay.average_friction import average_friction, bends
-from bench.diagnose.replay.courses import Course, Moved, count_of, courses_of, true_conditions
+from bench.diagnose.replay.courses import Course, Moved, count_of, courses_of, moves_along, true_conditions
 from bench.diagnose.replay.fitted import fitted_world
 from bench.diagnose.replay.gas_history import GasHistory
 from bench.diagnose.replay.instants import at_each_instant, slices_of
@@ -196,7 +196,7 @@ class MotionReplay:
 
     def _moved_along(self, world: World, course: Course) -> Moved:
         """Return how the robot of a world moved along a course, at what is read of it."""
-        if not world_in(world, course.recording).changes_robot:
+        if not moves_along(world_in(world, course.recording), course):
             return self._nominal[course.rows]
         return self._followed(world, course)[0]
 
