@@ -7,6 +7,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.diagnose.linearise.first_order import FirstOrder
 from bench.diagnose.replay.instants import at_each_instant
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
@@ -73,7 +74,7 @@ def drive_picture(replay: Replay) -> DrivePicture:
     """
     trace = replay.trace(NOMINAL)
     nominal = replay.predict(NOMINAL)
-    rotors = _rotors(replay, nominal)
+    rotors = _rotors(replay)
     missing = [*_payloads(replay, nominal), *_gas(replay, nominal), *rotors]
     shape = trace.q.shape
     seen = replay.observed
@@ -112,7 +113,7 @@ def needed_torque(replay: Replay) -> Array:
         ConvergenceError: The model's torques are not finite.
     """
     nominal = replay.predict(NOMINAL)
-    return _of_joints(replay, nominal - sum(_rotors(replay, nominal)))
+    return _of_joints(replay, nominal - sum(_rotors(replay)))
 
 
 def _of_joints(replay: Replay, nominal: Array) -> Array:
@@ -177,11 +178,13 @@ def _gas(replay: Replay, nominal: Array) -> list[Array]:
     return _added(replay, nominal, effect, at)
 
 
-def _rotors(replay: Replay, nominal: Array) -> list[Array]:
-    """Return what each rotor that nobody knows adds to the readings, shape (T, c) each."""
+def _rotors(replay: Replay) -> list[Array]:
+    """Return what each rotor that nobody knows adds to the readings, shape (T, c) each; in its inertia it is linear."""
     effect, unknown = RotorInertia(), replay.compiled.robot.figures.drive_uncertainty.rotor_is_unknown
-    at = [(place, {"change": 1.0}) for place in effect.places(replay.compiled) if unknown[place.index]]
-    return _added(replay, nominal, effect, at)
+    acting = [Acting(effect, one, {"change": 1.0}) for one in effect.places(replay.compiled) if unknown[one.index]]
+    first_order = FirstOrder(replay, NOMINAL) if acting else None
+    changes = [first_order.change(one) for one in acting] if first_order else []
+    return [change for change in changes if change is not None]
 
 
 def _added(replay: Replay, nominal: Array, effect: Effect, at: Sequence[tuple[Place, Values]]) -> list[Array]:
