@@ -7,14 +7,12 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.linearise.first_order import FirstOrder
 from bench.diagnose.replay.instants import at_each_instant
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.effects.effect import Acting, Effect, Place, Values
 from bench.effects.gas import CounterbalanceGas
-from bench.effects.masses import RotorInertia
 from bench.effects.payloads import UnstatedPayload, rated_lever
 from bench.effects.places import torque_limit
 from bench.errors import ConvergenceError
@@ -179,12 +177,15 @@ def _gas(replay: Replay, nominal: Array) -> list[Array]:
 
 
 def _rotors(replay: Replay) -> list[Array]:
-    """Return what each rotor that nobody knows adds to the readings, shape (T, c) each; in its inertia it is linear."""
-    effect, unknown = RotorInertia(), replay.compiled.robot.figures.drive_uncertainty.rotor_is_unknown
-    acting = [Acting(effect, one, {"change": 1.0}) for one in effect.places(replay.compiled) if unknown[one.index]]
-    first_order = FirstOrder(replay, NOMINAL) if acting else None
-    changes = [first_order.change(one) for one in acting] if first_order else []
-    return [change for change in changes if change is not None]
+    """Return what each rotor that nobody knows adds to the readings, shape (T, c) each; its torque is linear in it."""
+    compiled = replay.compiled
+    unknown = np.flatnonzero(compiled.robot.figures.drive_uncertainty.rotor_is_unknown)
+    trace, nominal = replay.trace(NOMINAL), replay.predict(NOMINAL)
+    paid = np.zeros_like(trace.motor_torque)
+    for course, along in replay.followed(NOMINAL) if len(unknown) else ():
+        paid[course.rows] = along.compiled.model.dof_armature[along.compiled.at.q_dof] * along.acceleration
+    more = (trace.motor_torque + paid * (np.arange(compiled.n_joints) == j) for j in unknown)
+    return [replay.read(NOMINAL, replace(trace, motor_torque=torque)) - nominal for torque in more]
 
 
 def _added(replay: Replay, nominal: Array, effect: Effect, at: Sequence[tuple[Place, Values]]) -> list[Array]:
