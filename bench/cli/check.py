@@ -2,8 +2,13 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import tyro
+
+if TYPE_CHECKING:
+    from bench.record.finding import Finding, Report
+    from bench.robot.compiled import CompiledRobot
 
 SCREEN = 40  # lines that are shown, the gravest first
 READ = 0.5  # of the time, about, that reading the tables takes; the rest goes into what the robot says of them
@@ -23,23 +28,17 @@ class Check:
         from typing import get_args
 
         from bench.cli.progress import progress_bar
-        from bench.diagnose.plausibility.channels import doubts_of
-        from bench.diagnose.plausibility.hints import hints_of
-        from bench.diagnose.plausibility.stated_figures import remarks_on
         from bench.errors import CampaignError
         from bench.record.finding import Level, counted
         from bench.record.logs.likewise import at_a_glance
         from bench.report.campaigns import open_campaign
-        from bench.store.place import open_store
 
         with progress_bar("checking") as progress:
             report, compiled = open_campaign(self.campaign)
             progress(READ)
             findings = report.findings
-            findings += tuple(remarks_on(compiled)) if compiled else ()
-            if report.campaign and compiled:
-                findings += doubts_of(report.campaign, compiled, report.findings)
-                findings += hints_of(report.campaign, compiled, findings, open_store() if self.store else None)
+            if compiled:
+                findings += _of_robot(report, compiled, store=self.store)
         for line in compiled.robot.figures.assumed if compiled else ():
             print(f"assumed {line}")
         shown = at_a_glance(findings)
@@ -55,3 +54,18 @@ class Check:
         words += [counted(count["warning"], "warning")]
         print(f"{self.campaign}: {', '.join(words)}; {runs}")
         return CampaignError.exit_code if count["error"] or count["doubt"] else 0
+
+
+def _of_robot(report: "Report", compiled: "CompiledRobot", *, store: bool) -> tuple["Finding", ...]:
+    """Return what the robot's figures, and what the robot says of the tables, add to the findings of a report."""
+    from bench.diagnose.plausibility.stated_figures import remarks_on
+
+    found = tuple(remarks_on(compiled))
+    if report.campaign is None:
+        return found
+
+    from bench.diagnose.plausibility.hints import doubts_and_hints_of
+    from bench.store.place import open_store
+
+    known = (*report.findings, *found)
+    return found + doubts_and_hints_of(report.campaign, compiled, known, open_store() if store else None)

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from bench.errors import InputError
 from bench.identify.balancing_torque import BalancingTorque, Geometry
@@ -135,7 +135,7 @@ def fit_counterbalance(
         gas_constant=best.gas_constant,
         critical_length=best.critical_length,
         covariance=scale * problem.covariance(best.gas_constant, best.critical_length),
-        intervals=intervals(problem, best, scale * float(chi2.ppf(level, 1))),
+        intervals=intervals(problem, best, scale * float(chdtri(1, 1 - level))),
         level=level,
         chi_square=best.chi_square,
         spring=spring,

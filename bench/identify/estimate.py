@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import stdtrit
 
 from bench.robot.bodies import Array
 
@@ -52,7 +52,7 @@ class StiffnessEstimate:
 
     def interval(self, level: float = 0.95) -> Array:
         """Shape (n, 2) [Nm/rad]; lower and upper end; the upper end is inf where a rigid joint cannot be excluded."""
-        quantile = stats.t.ppf(0.5 + level / 2, self.degrees_of_freedom)
+        quantile = stdtrit(self.degrees_of_freedom, 0.5 + level / 2)
         half = quantile * np.sqrt(np.diag(self.covariance))
         with np.errstate(divide="ignore"):
             upper = np.where(self.compliance - half > 0, 1.0 / (self.compliance - half), np.inf)

@@ -9,7 +9,7 @@ the load's torque a little, which is left out: lambda comes out too large by up 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy.special import ndtri
 
 from bench.identify.estimate import StiffnessEstimate
 from bench.identify.line_deflection import LineModel, measured_lost_motion, parameter_covariance
@@ -39,7 +39,7 @@ class LinkShare:
 
     def interval(self, level: float = 0.95) -> tuple[float, float]:
         """Return lower and upper end: every lambda that the value is no further from than its error there (Fieller)."""
-        quantile = float(stats.norm.ppf(0.5 + level / 2))
+        quantile = float(ndtri(0.5 + level / 2))
         scale = 1 - (quantile * self.relative) ** 2
         if not scale > 0:
             return -np.inf, np.inf

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import chdtrc
 
 from bench.identify.estimate import StiffnessEstimate
 from bench.identify.gls import SeriesModel, Solution, equal_weights, solve, whiten
@@ -44,7 +44,7 @@ def excludes_rigid(compliance: Array, covariance: Array) -> NDArray[np.bool_]:
 def misfit(solution: Solution) -> float:
     """Return how far residual variance exceeds what the instruments explain, as a factor; 1 unless significant."""
     ratio = solution.chi_square / max(solution.degrees_of_freedom, 1)
-    by_chance = stats.chi2.sf(solution.chi_square, max(solution.degrees_of_freedom, 1))
+    by_chance = chdtrc(max(solution.degrees_of_freedom, 1), solution.chi_square)
     return ratio if ratio > 1 and by_chance < LACK_OF_FIT else 1.0
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from bench.identify.arm import Arm
 from bench.identify.friction import LOAD_DEPENDENT, NEGLIGIBLE
@@ -209,4 +209,4 @@ def _estimate(said: list[_Information], often: list[int], count: int) -> tuple[A
 def _chance(heavier: Array, covariance: Array, sigma: float) -> float:
     """Return with which chance weights that are known so well seem so wrong, shape (K,)."""
     known = covariance + sigma**2 * np.eye(len(heavier))
-    return float(chi2.sf(heavier @ np.linalg.solve(known, heavier), len(heavier)))
+    return float(chdtrc(len(heavier), heavier @ np.linalg.solve(known, heavier)))

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -39,7 +40,7 @@ class _Content:
     def report(self, of_sheets: Sequence[Sequence[Finding]]) -> Report:
         """Return the report, given what the rules find in each sheet."""
         in_tables = [finding for found in of_sheets for finding in found]
-        findings = (*self.manifest.findings, *self.faults, *in_tables, *examine_session(self.sheets), *self.forgotten)
+        findings = (*self.manifest.findings, *self.faults, *in_tables, *self._of_session, *self.forgotten)
         findings += tuple(_contradictions(self.manifest.known))
         head = self.manifest.head
         if head is None or any(finding.level == "error" for finding in findings):
@@ -48,6 +49,11 @@ class _Content:
         return Report(
             self.folder, findings, Campaign(head.robot, runs, head.started, head.noise, head.notes, self.manifest.known)
         )
+
+    @cached_property
+    def _of_session(self) -> Sequence[Finding]:
+        """What the rules find in all sheets together."""
+        return examine_session(self.sheets)
 
 
 def check_campaign(folder: Path, arm: Arm | None = None) -> Report:

@@ -1,5 +1,7 @@
 """From a compiled model to its links as plain numbers."""
 
+from dataclasses import dataclass
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -9,8 +11,27 @@ from bench.robot.bodies import Point, RigidBodies, read_only
 from bench.robot.compiled import CompiledRobot
 
 
-def rigid_bodies(compiled: CompiledRobot) -> RigidBodies:
-    """Return the links of the arm as plain numbers; a jointless body or a rotor counts to the link that carries it.
+@dataclass(frozen=True, eq=False)
+class Poses:
+    """Where bodies are, all joints at zero; n links, m bodies of the model.
+
+    Attributes:
+        carrier: Shape (m,), link that carries each body; -1 of what stands on the ground.
+        position, rotation: Shape (m, 3) [m] and (m, 3, 3), in the joint frame of that link.
+        parent: Shape (n,), link that carries each link; -1: none.
+        placement, orientation: Shape (n, 3) [m] and (n, 3, 3), of each link's joint frame in that of its parent.
+    """
+
+    carrier: NDArray[np.int64]
+    position: NDArray[np.float64]
+    rotation: NDArray[np.float64]
+    parent: NDArray[np.int64]
+    placement: NDArray[np.float64]
+    orientation: NDArray[np.float64]
+
+
+def poses_of(compiled: CompiledRobot) -> Poses:
+    """Return where bodies are; a jointless body or a rotor counts to the link that carries it.
 
     So does a body on a spring that nothing drives, such as a base that rocks: it stands where its spring is at rest.
 
@@ -28,7 +49,6 @@ def rigid_bodies(compiled: CompiledRobot) -> RigidBodies:
     if np.any(model.qpos0[at.theta]):
         raise RobotError(f"{compiled.robot.mjcf}: a driven joint has ref != 0; move its zero into the body's pose.")
 
-    # Pose of every MuJoCo body in the joint frame of the arm's body that carries it, all joints at zero.
     carrier = np.full(model.nbody, -1)
     position = np.zeros((model.nbody, 3))
     rotation = np.tile(np.eye(3), (model.nbody, 1, 1))
@@ -55,16 +75,40 @@ def rigid_bodies(compiled: CompiledRobot) -> RigidBodies:
             carrier[body], position[body], rotation[body] = carrier[above], origin, turned
     if np.any(parent >= np.arange(n)):
         raise RobotError(f"{compiled.robot.figures_file}: drives: list them from the base to the tool.")
+    return Poses(carrier, position, rotation, parent, placement, orientation)
 
-    carried = np.flatnonzero(carrier >= 0)
-    of, masses, turned_to = carrier[carried], model.body_mass[carried], rotation[carried]
-    centre = position[carried] + np.einsum("bij,bj->bi", turned_to, model.body_ipos[carried])
+
+def inertial_parameters(compiled: CompiledRobot, poses: Poses) -> NDArray[np.float64]:
+    """Return m, m c (3), and inertia about the joint frame (xx, xy, yy, xz, yz, zz) of each link, shape (10 n,)."""
+    mass, moment, about_origin = _inertia_of(compiled, poses)
+    return np.concatenate([mass[:, None], moment, about_origin[:, *np.tril_indices(3)]], axis=1).ravel()
+
+
+def _inertia_of(
+    compiled: CompiledRobot, poses: Poses
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return masses, first moments and inertias of links about their joint frames, shapes (n,), (n, 3), (n, 3, 3)."""
+    model, n = compiled.model, compiled.n_joints
+    carried = np.flatnonzero(poses.carrier >= 0)
+    of, masses, turned_to = poses.carrier[carried], model.body_mass[carried], poses.rotation[carried]
+    centre = poses.position[carried] + np.einsum("bij,bj->bi", turned_to, model.body_ipos[carried])
     axes = turned_to @ np.stack([_matrix(quaternion) for quaternion in model.body_iquat[carried]])
     about_centre = np.einsum("bij,bj,bkj->bik", axes, model.body_inertia[carried], axes)
     mass, moment, about_origin = np.zeros(n), np.zeros((n, 3)), np.zeros((n, 3, 3))
     np.add.at(mass, of, masses)
     np.add.at(moment, of, masses[:, None] * centre)
     np.add.at(about_origin, of, about_centre + _of_points(masses, centre))
+    return mass, moment, about_origin
+
+
+def rigid_bodies(compiled: CompiledRobot) -> RigidBodies:
+    """Return the links of the arm as plain numbers.
+
+    Raises:
+        RobotError: As `poses_of`.
+    """
+    model, at, poses = compiled.model, compiled.at, poses_of(compiled)
+    mass, moment, about_origin = _inertia_of(compiled, poses)
     com = moment / mass[:, None]
     inertia = about_origin - _of_points(mass, com)
 
@@ -74,15 +118,15 @@ def rigid_bodies(compiled: CompiledRobot) -> RigidBodies:
     ):
         name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_SITE, site)
         if name:
-            where = position[body] + rotation[body] @ place
-            turned = rotation[body] @ _matrix(quaternion)
-            points[name] = Point(int(carrier[body]), read_only(where), read_only(turned))
+            where = poses.position[body] + poses.rotation[body] @ place
+            turned = poses.rotation[body] @ _matrix(quaternion)
+            points[name] = Point(int(poses.carrier[body]), read_only(where), read_only(turned))
     return RigidBodies(
         names=tuple(drive.joint for drive in compiled.robot.figures.drives),
-        parent=parent,
+        parent=poses.parent,
         is_hinge=np.asarray(model.jnt_type[at.joint] == mujoco.mjtJoint.mjJNT_HINGE),
-        position=read_only(placement),
-        rotation=read_only(orientation),
+        position=read_only(poses.placement),
+        rotation=read_only(poses.orientation),
         axis=read_only(model.jnt_axis[at.joint]),
         mass=read_only(mass),
         com=read_only(com),

@@ -8,7 +8,7 @@ import pytest
 from bench.diagnose.plausibility.between_runs import too_far_apart
 from bench.diagnose.plausibility.channels import doubts_of
 from bench.diagnose.plausibility.first_look import Factor
-from bench.diagnose.plausibility.hints import _scaled, hints_of
+from bench.diagnose.plausibility.hints import _scaled, doubts_and_hints_of, hints_of
 from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot
 from bench.store.place import open_store
@@ -28,8 +28,7 @@ def late(*names: str) -> Change:
 
 
 def test_a_healthy_session_gets_no_hint(short_session: Campaign, robot: CompiledRobot) -> None:
-    assert doubts_of(short_session, robot) == ()
-    assert hints_of(short_session, robot, store=open_store()) == ()
+    assert doubts_and_hints_of(short_session, robot, store=open_store()) == ()
 
 
 @pytest.mark.parametrize("names", [("loaded-out",), ("unloaded-out",), ("unloaded-out", "unloaded-back")])
@@ -39,9 +38,7 @@ def test_a_line_at_one_speed_tells_no_delay(
     """Its speed differs by 1e-5 from its mean: a quarter of a millimetre beside the model looked like 1.5 s."""
     alone = replace(short_session, runs=tuple(run for run in short_session.runs if run.name in names))
     assert len(alone.runs) == len(names)
-    doubts = doubts_of(alone, robot)
-    assert doubts == ()
-    assert hints_of(alone, robot, doubts, store=open_store()) == ()
+    assert doubts_and_hints_of(alone, robot, store=open_store()) == ()
 
 
 def test_a_channel_is_as_scaled_as_its_own_rotor_allows(robot: CompiledRobot) -> None:
@@ -78,8 +75,7 @@ def test_what_a_diagnosis_weighs_is_a_hint(
     change: Change, column: str, words: str, short_session: Campaign, robot: CompiledRobot
 ) -> None:
     campaign = changed(short_session, change)
-    assert doubts_of(campaign, robot) == ()
-    (hint,) = hints_of(campaign, robot, store=open_store())
+    (hint,) = doubts_and_hints_of(campaign, robot, store=open_store())
     assert (hint.level, hint.column) == ("warning", column)
     assert words in hint.message
     assert "bench diagnose weighs it" in hint.remedy
@@ -90,8 +86,8 @@ def test_all_currents_off_by_one_factor_are_told(short_session: Campaign, robot:
     """Sigma grows with the factor: what was told of a half was not told of the double."""
     currents = [f"current_{j + 1}_a" for j in range(robot.n_joints)]
     campaign = changed(short_session, scale(factor, *currents))
-    assert doubts_of(campaign, robot) == ()
-    hints = hints_of(campaign, robot, store=open_store())
+    hints = doubts_and_hints_of(campaign, robot, store=open_store())
+    assert {hint.level for hint in hints} == {"warning"}
     assert hints[0].column == currents[0]
     assert "looks scaled, and so do current_2_a" in hints[0].message
 

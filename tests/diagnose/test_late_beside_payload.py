@@ -6,11 +6,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from bench.diagnose.plausibility.channels import BINS
 from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
 from bench.diagnose.plausibility.first_look import resting_torque
 from bench.diagnose.plausibility.late_channels import SURE, Late, _late, late_drives
 from bench.diagnose.plausibility.rates import rates_of
+from bench.diagnose.plausibility.repeated import BINS
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import readings_of, segments_of
@@ -45,7 +45,7 @@ def replayed() -> tuple[Replay, DrivePicture, Array]:
     drives = tuple(quantity for quantity in every if quantity.is_drive)
     paid = readings_of(segments_of(campaign, robot(), every, BINS), every, drives)
     replay = Replay(robot(), paid, drives)
-    return replay, drive_picture(replay), resting_torque(robot(), paid, drives)
+    return replay, drive_picture(replay), resting_torque(replay)
 
 
 def found(delay: float = 0.0, late: int = 0, *, is_loaded: bool = True) -> dict[str, Late]:

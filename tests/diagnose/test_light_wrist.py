@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.diagnose.plausibility.channels import doubts_of
-from bench.diagnose.plausibility.hints import hints_of
+from bench.diagnose.plausibility.hints import doubts_and_hints_of
 from bench.identify.drive_model import Motion
 from bench.record.campaign import Array, Campaign, Run
 from bench.record.finding import Finding
@@ -68,5 +67,4 @@ def findings(folder: Path, rng: np.random.Generator, *, tool: bool, viscous: flo
         columns |= {f"tau_motor_{j + 1}_nm": torque[:, j] for j in range(seven_joints.N)}
         runs.append(Run(f"run{k}", "motion", 100.0 * k, columns))
     campaign = Campaign("seven", tuple(runs))
-    doubts = doubts_of(campaign, compiled)
-    return [*doubts, *hints_of(campaign, compiled, doubts, store=open_store())]
+    return list(doubts_and_hints_of(campaign, compiled, store=open_store()))

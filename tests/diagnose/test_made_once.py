@@ -1,5 +1,8 @@
 """What nothing changed is not made again: robots of a world, and what causes change where only their priors do."""
 
+from typing import Any
+
+import numpy as np
 import pytest
 
 from bench.diagnose.diagnose import signatures_of
@@ -8,16 +11,22 @@ from bench.diagnose.linearise.candidates import Cause, causes_of
 from bench.diagnose.linearise.signatures import Signatures
 from bench.diagnose.name.candidate_model import CandidateModel
 from bench.diagnose.name.models import Fitter
+from bench.diagnose.plausibility import repeated
+from bench.diagnose.plausibility.channels import doubts_of
+from bench.diagnose.plausibility.hints import doubts_and_hints_of, hints_of
+from bench.diagnose.replay.instants import run_of_each
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
-from bench.diagnose.replay.world import World
+from bench.diagnose.replay.world import NOMINAL, World
 from bench.effects.catalogue import catalogue
+from bench.effects.effect import Acting, Place
 from bench.effects.recorded import recorded_in
 from bench.errors import ConvergenceError
 from bench.executor.serial import SERIAL
 from bench.robot.patched import Structure
 from bench.robot.recent import Recent
+from bench.simulate.prescribed import Motion, Prescribed
 from tests.diagnose.sweeps import SWEEP, made, nominal
 
 NAMES = ("coulomb_level", "gas_loss", "payload_com", "friction_ripple", "encoder_eccentricity")
@@ -52,6 +61,41 @@ def test_rates_of_an_error_are_made_once_by_its_value(monkeypatch: pytest.Monkey
     fresh = Replay(replay.compiled, replay.segments, replay.quantities)
     monkeypatch.undo()
     assert (fresh.predict(World(acting=(wrong,))) == alone)[~(alone != alone)].all()
+
+
+def test_what_sets_in_later_is_followed_from_then_on_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A joint that slips before the last run was simulated along all runs before it as well."""
+    campaign = made(SWEEP, seed=5)
+    quantities = quantities_of(campaign.runs, nominal())
+    replay = Replay(nominal(), segments_of(campaign, nominal(), quantities), quantities)
+    effect, (*_, last) = catalogue()["joint_slip"], campaign.runs
+    place = Place("joint", 1, nominal().robot.figures.drives[1].joint, last.name, last.start_s)
+    slipped = World(acting=(Acting(effect, place, effect.complete({"slip": 1e-3})),))
+    followed: list[int] = []
+    follow = Prescribed.follow
+
+    def counted(self: Prescribed, motion: Motion, *given: Any) -> Any:
+        followed.append(int(motion.read.sum()))
+        return follow(self, motion, *given)
+
+    monkeypatch.setattr(Prescribed, "follow", counted)
+    change = replay.predict(slipped) - replay.predict(NOMINAL)
+    since = run_of_each(replay.segments) == last.name
+    assert not since.all()
+    assert sum(followed) == 2 * int(since.sum())  # once as the motors move, once as gears wind up by that
+    assert not np.nan_to_num(change[~since]).any()
+    assert np.nan_to_num(change[since]).any()
+
+
+def test_a_campaign_is_cut_and_looked_at_once_for_doubts_and_hints(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both did it for themselves, which was half of `bench check`; and what they say is the same."""
+    campaign = made(SWEEP, seed=5)
+    doubts = doubts_of(campaign, nominal())
+    alone = doubts + hints_of(campaign, nominal(), doubts)
+    cut: list[int] = []
+    monkeypatch.setattr(repeated, "segments_of", lambda *given: cut.append(given[-1]) or segments_of(*given))
+    assert doubts_and_hints_of(campaign, nominal()) == alone
+    assert cut == [repeated.BINS]
 
 
 def test_causes_that_go_farther_change_the_same(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,6 +10,7 @@ import pytest
 from bench.diagnose.plausibility.linear_fit import LinearFit, fitted
 from bench.diagnose.plausibility.loads import unlike_weights
 from bench.diagnose.plausibility.one_more_number import one_more_number
+from bench.diagnose.plausibility.repeated import Repeated
 from bench.effects.catalogue import catalogue
 from bench.hide.campaign import hide_campaign
 from bench.hide.recorded import recorded_of
@@ -63,7 +64,7 @@ def without_force(campaign: Campaign) -> Campaign:
 
 
 def said_of(campaign: Campaign, compiled: CompiledRobot) -> list[str]:
-    return [str(finding) for finding in one_more_number(campaign, compiled, frozenset(), open_store())]
+    return [str(finding) for finding in one_more_number(Repeated.of(campaign, compiled), frozenset(), open_store())]
 
 
 def late(values: Array) -> Array:
@@ -184,7 +185,7 @@ def test_two_runs_whose_loads_were_exchanged_are_told_together(campaign: Campaig
     loads = [{name: v for name, v in runs[one].columns.items() if name.startswith("load_")} for one in pair]
     for one, of_other in zip(pair, reversed(loads), strict=True):
         runs[one] = replace(runs[one], columns={**runs[one].columns, **of_other})
-    told = list(one_more_number(replace(campaign, runs=tuple(runs.values())), compiled, frozenset()))
+    told = list(one_more_number(Repeated.of(replace(campaign, runs=tuple(runs.values())), compiled), frozenset()))
     (said,) = [str(finding) for finding in told if finding.column.startswith("load_")]
     assert f"is 0.5 times the load that instruments show in run '{pair[1]}'" in said
     assert f"in run '{pair[0]}'; loads or tables of the two exchanged?" in said
@@ -192,7 +193,8 @@ def test_two_runs_whose_loads_were_exchanged_are_told_together(campaign: Campaig
 
 def test_a_load_that_its_force_sensor_repeats_is_told_by_all_else(campaign: Campaign, compiled: CompiledRobot) -> None:
     doubled = [f"{kind}_{axis}_n" for kind in ("load", "force") for axis in "xyz"]
-    told = list(one_more_number(changed(campaign, LINE, doubled, lambda x: 2 * x), compiled, frozenset(), open_store()))
+    half_known = Repeated.of(changed(campaign, LINE, doubled, lambda x: 2 * x), compiled)
+    told = list(one_more_number(half_known, frozenset(), open_store()))
     (said,) = [str(finding) for finding in told if finding.column.startswith("load_")]
     told = re.search(r"load_z_n and force: is (\S+) times the load", said)
     assert told

@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.diagnose.plausibility.channels import doubts_of
-from bench.diagnose.plausibility.hints import hints_of
+from bench.diagnose.plausibility.hints import doubts_and_hints_of
 from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Array, Campaign, Run
 from bench.robot.compiled import CompiledRobot, compile_robot
@@ -44,8 +43,7 @@ def recorded(seed: int, is_as_filed: bool) -> Campaign:
 
 
 def said_of(campaign: Campaign, compiled: CompiledRobot) -> list[str]:
-    doubts = doubts_of(campaign, compiled)
-    return [str(finding) for finding in (*doubts, *hints_of(campaign, compiled, doubts))]
+    return [str(finding) for finding in doubts_and_hints_of(campaign, compiled)]
 
 
 def scaled(factor: float, *drives: int) -> Callable[[Columns], Columns]:

@@ -8,7 +8,7 @@ import pytest
 
 from bench.diagnose.plausibility.channels import doubts_of
 from bench.diagnose.plausibility.drive_picture import DrivePicture
-from bench.diagnose.plausibility.hints import hints_of
+from bench.diagnose.plausibility.hints import doubts_and_hints_of, hints_of
 from bench.diagnose.plausibility.mistaken_run import _mistaken
 from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Array, Campaign
@@ -39,8 +39,7 @@ def changed(campaign: Campaign, run: str, column: str, change: Callable[[Array],
 
 
 def said_of(campaign: Campaign, compiled: CompiledRobot) -> list[str]:
-    doubts = doubts_of(campaign, compiled)
-    return [str(finding) for finding in (*doubts, *hints_of(campaign, compiled, doubts, store=open_store()))]
+    return [str(finding) for finding in doubts_and_hints_of(campaign, compiled, store=open_store())]
 
 
 def test_nothing_is_said_of_a_healthy_session(campaign: Campaign, compiled: CompiledRobot) -> None:

@@ -8,6 +8,8 @@ import pytest
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE, Acting
 from bench.hide.campaign import hide_campaign
+from bench.predict.predict import predict
+from bench.predict.prediction import PredictedRecording, Prediction
 from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
@@ -36,3 +38,16 @@ def nominal(folder: Path) -> CompiledRobot:
 @pytest.fixture(scope="session")
 def campaign(nominal: CompiledRobot) -> Campaign:
     return campaign_of(nominal, 1)
+
+
+@pytest.fixture(scope="session")
+def prediction(campaign: Campaign, nominal: CompiledRobot) -> Prediction:
+    """Return what the nominal robot makes of the campaign, with nothing free."""
+    return predict(campaign, nominal, nominal)
+
+
+@pytest.fixture(scope="session")
+def plain(prediction: Prediction) -> PredictedRecording:
+    """Return what that leaves of its only recording."""
+    (found,) = prediction.recordings
+    return found

@@ -43,9 +43,13 @@ def shifted(campaign: Campaign, column: str, by: float) -> Campaign:
 
 
 def test_a_folder_predicts_what_its_fit_did(
-    campaign: Campaign, nominal: CompiledRobot, tmp_path: Path, rng: np.random.Generator
+    campaign: Campaign,
+    nominal: CompiledRobot,
+    plain: PredictedRecording,
+    tmp_path: Path,
+    rng: np.random.Generator,
 ) -> None:
-    linear = only(campaign, nominal, nominal).linear
+    linear = plain.linear
     fit = fit_of(linear, CASES["friction"], rng)
     hand_over(linear, fit, tmp_path / "robot", tmp_path / "nominal.xml")
     found = only(campaign, compile_robot(load_robot(tmp_path / "robot")), nominal)
@@ -78,20 +82,22 @@ def test_errors_are_plain_root_mean_squares_beside_the_promise(campaign: Campaig
         assert (channel.low, channel.high) == (0.5, 2.0) if is_promised else channel.answer == "not promised"
 
 
-def test_a_recording_is_cut_as_the_nominal_robot_rings(campaign: Campaign, nominal: CompiledRobot) -> None:
+def test_a_recording_is_cut_as_the_nominal_robot_rings(
+    campaign: Campaign, nominal: CompiledRobot, plain: PredictedRecording
+) -> None:
     """By the model's own figures bins came out longer, and errors below all that was promised."""
     soft = nominal.model.__copy__()
     soft.tendon_stiffness[nominal.at.element] /= 30.0
     model = replace(nominal, model=soft)
     found = only(campaign, model, nominal).linear.segments
-    expected = only(campaign, nominal, nominal).linear.segments
+    expected = plain.linear.segments
     own = only(campaign, model, model).linear.segments
     assert [len(one) for one in found] == [len(one) for one in expected] != [len(one) for one in own]
 
 
-def test_a_right_model_is_left_with_no_more_than_the_floor(campaign: Campaign, nominal: CompiledRobot) -> None:
+def test_a_right_model_is_left_with_no_more_than_the_floor(plain: PredictedRecording) -> None:
     """Where a joint stands, what its friction may hold is in the floor too; the joint that moves is left with noise."""
-    channels = {one.channel: one for one in only(campaign, nominal, nominal).channels}
+    channels = {one.channel: one for one in plain.channels}
     for channel in channels.values():
         assert channel.rms < 1.2 * channel.floor, channel
     assert channels["tau_motor_1_nm"].rms > 0.8 * channels["tau_motor_1_nm"].floor
@@ -136,8 +142,10 @@ def test_free_takes_exactly_the_zero(campaign: Campaign, nominal: CompiledRobot)
     np.testing.assert_allclose(kept[np.isfinite(kept)], ZERO - (new.found - old.found), atol=1e-12)
 
 
-def test_without_free_a_zero_stays_in_the_error(campaign: Campaign, nominal: CompiledRobot) -> None:
-    before, after = only(campaign, nominal, nominal), only(shifted(campaign, "q_link_2_rad", ZERO), nominal, nominal)
+def test_without_free_a_zero_stays_in_the_error(
+    campaign: Campaign, nominal: CompiledRobot, plain: PredictedRecording
+) -> None:
+    before, after = plain, only(shifted(campaign, "q_link_2_rad", ZERO), nominal, nominal)
     moved = after.error - before.error
     columns = [quantity.column for quantity in after.linear.quantities]
     np.testing.assert_allclose(moved[np.isfinite(moved[:, -1]), columns.index("q_link_2_rad")], ZERO, atol=1e-12)
@@ -216,7 +224,9 @@ def test_nothing_about_a_recording_depends_on_the_others(campaign: Campaign, nom
         assert recording.channels == alone.channels
 
 
-def test_what_is_free_and_not_told_is_named(campaign: Campaign, nominal: CompiledRobot) -> None:
+def test_what_is_free_and_not_told_is_named(
+    campaign: Campaign, nominal: CompiledRobot, plain: PredictedRecording
+) -> None:
     """Two hinges turn a payload: it was silent on what that leaves open, as if it had stayed."""
     found = only(campaign, nominal, nominal, "payload")
     told, untold = ({name.partition(": ")[2] for name in names} for names in (_names(found), found.untold))
@@ -224,7 +234,7 @@ def test_what_is_free_and_not_told_is_named(campaign: Campaign, nominal: Compile
     assert not told & untold
     assert told | untold == {p.name.replace("_", " ") for p in AnotherPayload.parameters}
     assert untold_sentence(found).startswith("Not told by this recording: change of the payload: ")
-    assert untold_sentence(only(campaign, nominal, nominal)) == ""
+    assert untold_sentence(plain) == ""
 
 
 def _names(found: PredictedRecording) -> list[str]:

@@ -2,18 +2,15 @@
 
 import numpy as np
 
-from bench.predict.predict import predict
-from bench.record.campaign import Campaign
+from bench.predict.prediction import PredictedRecording
 from bench.report.diagnosis.recording_clock import recording_clock_of
 from bench.report.prediction.recording import _plots
-from bench.robot.compiled import CompiledRobot
 
 MOST = 9  # plots under one tab of 1000 px that still have an axis one can read
 
 
-def test_what_is_left_is_one_plot_for_each_kind(campaign: Campaign, nominal: CompiledRobot) -> None:
-    (found,) = predict(campaign, nominal, nominal).recordings
-    clock = recording_clock_of(found.linear)
+def test_what_is_left_is_one_plot_for_each_kind(plain: PredictedRecording) -> None:
+    found, clock = plain, recording_clock_of(plain.linear)
     plots = _plots(found, clock)
     tabs = [plot.tab for plot in plots]
     assert max(tabs.count(tab) for tab in tabs) <= MOST

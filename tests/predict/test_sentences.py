@@ -8,7 +8,7 @@ import pytest
 
 from bench.predict.freed import FreedFigure
 from bench.predict.predict import predict
-from bench.predict.prediction import Prediction
+from bench.predict.prediction import PredictedRecording, Prediction
 from bench.record.campaign import Campaign
 from bench.report.diagnosis.recording_clock import recording_clock_of
 from bench.report.prediction.sentences import broken_sentence, freed_text, headline, promise_sentence, stretch_text
@@ -16,9 +16,8 @@ from bench.report.prediction.words import words_of
 from bench.robot.compiled import CompiledRobot
 
 
-def promised(campaign: Campaign, nominal: CompiledRobot, highs: list[float]) -> Prediction:
+def promised(found: Prediction, highs: list[float]) -> Prediction:
     """Return a prediction with as many channels as there are upper ends of promised intervals, all with an RMS of 1."""
-    found = predict(campaign, nominal, nominal)
     (recording,) = found.recordings
     channel = replace(recording.channels[0], rms=1.0, low=0.01)
     channels = [replace(channel, channel=f"tau_motor_{j}_nm", high=high) for j, high in enumerate(highs, start=1)]
@@ -40,20 +39,20 @@ def promised(campaign: Campaign, nominal: CompiledRobot, highs: list[float]) -> 
         ),
     ],
 )
-def test_the_worst_broken_promises_are_named(
-    campaign: Campaign, nominal: CompiledRobot, highs: list[float], words: str
+def test_the_worst_broken_promises_are_named(prediction: Prediction, highs: list[float], words: str) -> None:
+    assert headline(promised(prediction, highs)) == words
+
+
+def test_a_broken_promise_comes_with_what_to_do(prediction: Prediction) -> None:
+    assert "bench diagnose CAMPAIGN --given MODEL" in broken_sentence(promised(prediction, [0.5]))
+    assert broken_sentence(promised(prediction, [2.0])) == ""
+
+
+def test_it_is_said_which_recording_a_model_carries_the_payload_of(
+    campaign: Campaign, nominal: CompiledRobot, prediction: Prediction
 ) -> None:
-    assert headline(promised(campaign, nominal, highs)) == words
-
-
-def test_a_broken_promise_comes_with_what_to_do(campaign: Campaign, nominal: CompiledRobot) -> None:
-    assert "bench diagnose CAMPAIGN --given MODEL" in broken_sentence(promised(campaign, nominal, [0.5]))
-    assert broken_sentence(promised(campaign, nominal, [2.0])) == ""
-
-
-def test_it_is_said_which_recording_a_model_carries_the_payload_of(campaign: Campaign, nominal: CompiledRobot) -> None:
     """A model of two recordings broke its promise of the first: it had the payload of the second."""
-    found = promised(campaign, nominal, [0.5])
+    found = promised(prediction, [0.5])
     assert (found.carried_kg, found.as_in) == (0.0, "")
     assert promise_sentence(found).endswith("It carries nothing, beside what a recording states.")
     words = promise_sentence(replace(found, carried_kg=141.7234, as_in="b"))
@@ -65,8 +64,8 @@ def test_it_is_said_which_recording_a_model_carries_the_payload_of(campaign: Cam
     assert predict(campaign, model, nominal).as_in == "b"
 
 
-def test_errors_below_what_was_promised_are_no_broken_promises(campaign: Campaign, nominal: CompiledRobot) -> None:
-    found = promised(campaign, nominal, [2.0, 2.0, 2.0])
+def test_errors_below_what_was_promised_are_no_broken_promises(prediction: Prediction) -> None:
+    found = promised(prediction, [2.0, 2.0, 2.0])
     (recording,) = found.recordings
     first, *others = recording.channels
     channels = (replace(first, low=1.5), *others)
@@ -112,20 +111,21 @@ def test_what_is_fitted_anew_is_a_difference_from_the_model(figure: FreedFigure,
     assert freed_text(figure) == words
 
 
-def test_intervals_of_what_is_fitted_anew_say_on_what_they_rest(campaign: Campaign, nominal: CompiledRobot) -> None:
+def test_intervals_of_what_is_fitted_anew_say_on_what_they_rest(
+    campaign: Campaign, nominal: CompiledRobot, prediction: Prediction
+) -> None:
     lines = list(words_of(predict(campaign, nominal, nominal, free=("encoder_zero",))))
     assert any("takes all other figures of the model as exact" in line for line in lines)
-    assert not any("as exact" in line for line in words_of(predict(campaign, nominal, nominal)))
+    assert not any("as exact" in line for line in words_of(prediction))
 
 
-def test_a_stretch_says_where_pictures_of_several_runs_have_it(campaign: Campaign, nominal: CompiledRobot) -> None:
+def test_a_stretch_says_where_pictures_of_several_runs_have_it(campaign: Campaign, plain: PredictedRecording) -> None:
     """On the clock of the recording runs begin hours later than the pictures end."""
-    (recording,) = predict(campaign, nominal, nominal).recordings
-    clock = recording_clock_of(recording.linear)
-    for stretch in recording.stretches:
+    clock = recording_clock_of(plain.linear)
+    for stretch in plain.stretches:
         told = re.search(
             r"([\d.]+) to ([\d.]+) s of the run, ([\d.]+) to ([\d.]+) s in the pictures",
-            stretch_text(stretch, recording),
+            stretch_text(stretch, plain),
         )
         assert told
         start, end, first, last = map(float, told.groups())

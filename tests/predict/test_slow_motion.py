@@ -8,11 +8,9 @@ import pytest
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.slow_motion import SlowMotion, slow_motion
-from bench.predict.predict import predict
-from bench.record.campaign import Campaign
+from bench.predict.prediction import Prediction
 from bench.report.diagnosis.slow import slow_sentence
 from bench.report.prediction.words import words_of
-from bench.robot.compiled import CompiledRobot
 
 
 def compared(linear: LinearisedModel, segments: tuple[Segment, ...]) -> SlowMotion:
@@ -20,9 +18,8 @@ def compared(linear: LinearisedModel, segments: tuple[Segment, ...]) -> SlowMoti
     return found
 
 
-def test_bins_that_are_not_read_are_not_compared(campaign: Campaign, nominal: CompiledRobot) -> None:
+def test_bins_that_are_not_read_are_not_compared(prediction: Prediction) -> None:
     """Of sweeps at constant speed nearly all is compared; without the readings of the slower ones half of the bins."""
-    prediction = predict(campaign, nominal, nominal)
     (recording,) = prediction.recordings
     linear = recording.linear
     whole = compared(linear, linear.segments)

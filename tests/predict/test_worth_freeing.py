@@ -8,7 +8,7 @@ from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE, Acting
 from bench.hide.campaign import hide_campaign
 from bench.predict.predict import predict
-from bench.predict.prediction import PredictedRecording
+from bench.predict.prediction import PredictedRecording, Prediction
 from bench.record.campaign import Campaign
 from bench.report.prediction.sentences import anew_text
 from bench.report.prediction.words import words_of
@@ -24,6 +24,12 @@ SOFTER = 0.15  # of a compliance
 SEEDS = range(20, 24)
 
 
+@pytest.fixture(scope="module")
+def set_up_anew(campaign: Campaign, nominal: CompiledRobot) -> Prediction:
+    """Return what the nominal robot makes of a recording in which a link encoder was zeroed anew."""
+    return predict(shifted(campaign, "q_link_2_rad", ZERO), nominal, nominal)
+
+
 def named(recording: PredictedRecording) -> list[str]:
     return [one.name for one in recording.maybe_anew]
 
@@ -34,11 +40,12 @@ def test_of_a_machine_as_it_was_nothing_is_said(nominal: CompiledRobot) -> None:
         assert named(only(campaign_of(nominal, seed), nominal, nominal)) == []
 
 
-def test_a_zero_that_was_set_up_anew_is_named_alone(campaign: Campaign, nominal: CompiledRobot) -> None:
-    moved = shifted(campaign, "q_link_2_rad", ZERO)
-    found = only(moved, nominal, nominal)
+def test_a_zero_that_was_set_up_anew_is_named_alone(
+    campaign: Campaign, nominal: CompiledRobot, set_up_anew: Prediction
+) -> None:
+    (found,) = set_up_anew.recordings
     assert named(found) == ["encoder_zero"]
-    free = only(moved, nominal, nominal, "encoder_zero")
+    free = only(shifted(campaign, "q_link_2_rad", ZERO), nominal, nominal, "encoder_zero")
     assert named(free) == []
     # what is said is what `--free` finds
     np.testing.assert_allclose(found.maybe_anew[0].rms, [channel.rms for channel in free.channels], rtol=1e-9)
@@ -111,28 +118,27 @@ def test_what_the_model_itself_may_err_by_is_nothing_anew(nominal: CompiledRobot
     acting += [Acting(loss, WHOLE, loss.complete({"lost": lost}))] if lost else []
     rng, scenario = np.random.default_rng(4), small_rotation(nominal.robot.folder)
     recorded = hide_campaign(nominal.robot, scenario, acting, rng, background=False, tails=None).campaign
-    assert named(only(recorded, nominal, nominal))[0].startswith("gas")  # of a model that is exact
+    exact = only(recorded, nominal, nominal)
+    assert named(exact)[0].startswith("gas")  # of a model that is exact
 
     def hints(share: float) -> list[str]:
-        masses = [str(one) for one in stated.nuisances if str(one).startswith("mass of")]
+        masses = [str(one) for one in exact.linear.nuisances if str(one).startswith("mass of")]
         parameters = tuple(PosteriorParameter(name, "", share, 0.0) for name in masses)
         known = Posterior(parameters, np.eye(len(masses)))
         return [one.name for one in predict(recorded, nominal, nominal, posterior=known).recordings[0].maybe_anew]
 
-    stated = predict(recorded, nominal, nominal).recordings[0].linear
     assert (hints(0.03) != []) is bool(lost)
-    assert hints(1e-6) == named(only(recorded, nominal, nominal))
+    assert hints(1e-6) == named(exact)
 
 
-def test_it_is_told_and_written(campaign: Campaign, nominal: CompiledRobot) -> None:
-    prediction = predict(shifted(campaign, "q_link_2_rad", ZERO), nominal, nominal)
-    (found,) = prediction.recordings
+def test_it_is_told_and_written(set_up_anew: Prediction) -> None:
+    (found,) = set_up_anew.recordings
     (one,) = found.maybe_anew
     text = anew_text(one, found)
     assert text.startswith("`--free encoder_zero`, zeros of the link encoders against those of the motors (evidence +")
     assert "link angle 2 0.0" in text
     assert "motor torque" not in text  # which it does not change
-    assert f"  may be anew: {text}" in list(words_of(prediction))
-    (written,) = json_of(prediction)["recordings"][0]["maybe_anew"]
+    assert f"  may be anew: {text}" in list(words_of(set_up_anew))
+    (written,) = json_of(set_up_anew)["recordings"][0]["maybe_anew"]
     assert written["free"] == "encoder_zero"
     assert [channel["rms"] for channel in written["channels"]] == list(one.rms)

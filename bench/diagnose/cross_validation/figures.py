@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from bench.diagnose.cross_validation.folds import folds_of
 from bench.diagnose.cross_validation.jackknife import jackknife_variance
@@ -100,7 +100,7 @@ def fitted_figures(linear: LinearisedModel, fit: Fit, beside: Array | None = Non
     told = _told(fit)
     wide = spread if beside is None else np.sqrt(spread**2 + beside)
     compared = max(sum(nuisance.earlier is not None for nuisance in linear.nuisances), 1)
-    clear = float(norm.isf(CHANCE / (2 * compared)))
+    clear = float(-ndtri(CHANCE / (2 * compared)))
     found = []
     for i in range(p + len(fit.unknowns)):
         partner = int(np.argmax(np.abs(correlation[i])))

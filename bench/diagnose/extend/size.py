@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.candidates import Cause
@@ -50,7 +50,7 @@ def is_clear_of_none(cause: Cause, fit: Fit) -> bool:
     """
     statistic, count = wald(cause, fit)
     shapes = sum(one.cause is cause and one.parameter.is_shape for one in fit.unknowns)
-    return count > 0 and bool(statistic > chi2.ppf(CLEAR, count + shapes))
+    return count > 0 and bool(statistic > chdtri(count + shapes, 1 - CLEAR))
 
 
 def wald(cause: Cause, fit: Fit) -> tuple[float, int]:

@@ -13,27 +13,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.plausibility.displaced import displaced
-from bench.diagnose.plausibility.drive_picture import LEAST, DrivePicture, drive_picture
-from bench.diagnose.plausibility.first_look import LEVEL, Clock, clock_of, first_look, resting_torque
+from bench.diagnose.plausibility.drive_picture import LEAST, DrivePicture
+from bench.diagnose.plausibility.first_look import LEVEL, Clock, clock_of
 from bench.diagnose.plausibility.known_pressure import known_pressures
 from bench.diagnose.plausibility.loads import mistaken_at_rest
 from bench.diagnose.plausibility.mistaken import Mistake, doubt, mistakes_in, turned
 from bench.diagnose.plausibility.mistaken_inputs import Recording, mistaken_joints, mistaken_loads, mistaken_payload
 from bench.diagnose.plausibility.mistaken_run import mistaken_in_one_run
 from bench.diagnose.plausibility.physical_fit import FAR_BETTER, HALF, misfit
+from bench.diagnose.plausibility.repeated import BINS, Repeated
 from bench.diagnose.plausibility.single_rows import BEYOND, jumps
 from bench.diagnose.plausibility.slow_clock import slow_clock
 from bench.diagnose.plausibility.smoothed import smoothed
 from bench.diagnose.plausibility.speeds import least_top_speed
 from bench.diagnose.plausibility.unstated_loads import unstated_loads
-from bench.diagnose.replay.quantities import Quantity, quantities_of
-from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import Segment, readings_of, segments_of
+from bench.diagnose.replay.segments import readings_of, segments_of
 from bench.effects.places import speed_limit, torque_limit
 from bench.errors import ConvergenceError, InputError
 from bench.identify.dynamics.turned import turned_axis
 from bench.record.campaign import Array, Campaign
-from bench.record.carried import with_payloads
 from bench.record.finding import Finding
 from bench.record.known import PAYLOAD
 from bench.record.rules.work import GAINED
@@ -41,7 +39,6 @@ from bench.robot.compiled import CompiledRobot
 from bench.robot.figures import MOST_RATINGS
 from bench.robot.nominal_dynamics import nominal_dynamics
 
-BINS = 400  # effort: of one run at most; enough to tell a sign
 BLOCKS = 6  # declared: of the readings; what is said has to hold with any of them left out
 # Times a limit that was made up: nearer, on a logarithmic scale, to what another unit would make of data (degrees, mNm)
 # than to data in SI units
@@ -53,7 +50,9 @@ LINEAR = "a model that is linear in what links weigh leaves"
 
 
 @np.errstate(over="ignore", invalid="ignore")  # of a robot with absurd masses, whose model then finds no balance
-def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Finding] = ()) -> tuple[Finding, ...]:
+def doubts_of(
+    campaign: Campaign, compiled: CompiledRobot, known: Sequence[Finding] = (), repeated: Repeated | None = None
+) -> tuple[Finding, ...]:
     """Return a doubt for each channel that can hardly be what its name says.
 
     Args:
@@ -61,6 +60,7 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
         compiled: Its robot, nominal.
         known: What was found before; a column is not reported twice, and where angles or loads are doubted already,
             nothing is made of them.
+        repeated: The campaign as its robot repeats it, for who looks at it further; None: made here.
     """
     if any(finding.level == "doubt" and finding.column.startswith(("q_", "load_")) for finding in known):
         return ()
@@ -69,27 +69,26 @@ def doubts_of(campaign: Campaign, compiled: CompiledRobot, known: Sequence[Findi
     if spoilt := tuple(jumps(campaign, compiled)):
         return spoilt
     told = {finding.column for finding in known if finding.level != "warning"}
-    stated, campaign = campaign, with_payloads(campaign)
-    every = quantities_of(campaign.runs, compiled)
+    repeated = repeated or Repeated.of(campaign, compiled)
+    stated, campaign = campaign, repeated.campaign
     try:
         if too_fast := tuple(_beyond_speed(campaign, compiled)):
             return too_fast
-        segments = segments_of(campaign, compiled, every, BINS)
-        drives, others = (tuple(q for q in every if q.is_drive is is_drive) for is_drive in (True, False))
-        sped_up = partial(slow_clock, campaign, compiled, drives, LEVEL, BINS)
-        of_payload = partial(_of_payload, stated, compiled, drives)
-        found = list(_of_drives(compiled, readings_of(segments, every, drives), drives, told, sped_up, of_payload))
-        found += known_pressures(campaign, compiled, segments)
+        found = list(_of_drives(repeated, told, partial(_of_payload, stated, repeated))) if repeated.paid else []
+        found += known_pressures(repeated)
         if not any(finding.column.startswith("load_") for finding in found):  # else that is why they move
-            found += unstated_loads(campaign, compiled, segments, every)
-        if readings := readings_of(segments, every, others):
-            found += displaced(Replay(compiled, readings, others))
+            found += unstated_loads(repeated)
+        if repeated.seen:
+            found += displaced(repeated.by_others)
     except ConvergenceError as error:
         return (doubt("", f"the nominal model cannot follow the motion ({error})", "look at angles and their units"),)
     kept = tuple(finding for finding in found if finding.column not in told)
     kept = kept or tuple(_turned(campaign, compiled))
     told |= {finding.column for finding in found}
-    return (*kept, *(finding for finding in smoothed(campaign, compiled, every) if finding.column not in told))
+    return (
+        *kept,
+        *(finding for finding in smoothed(campaign, compiled, repeated.quantities) if finding.column not in told),
+    )
 
 
 def _turned(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
@@ -111,24 +110,16 @@ def _turned(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
 
 
 def _of_drives(
-    compiled: CompiledRobot,
-    segments: tuple[Segment, ...],
-    quantities: tuple[Quantity, ...],
-    told: set[str],
-    sped_up: Callable[[], Clock | None],
-    of_payload: Callable[[DrivePicture], Iterator[Mistake]],
+    repeated: Repeated, told: set[str], of_payload: Callable[[DrivePicture], Iterator[Mistake]]
 ) -> Iterator[Finding]:
-    if not segments:
-        return
-    picture = drive_picture(Replay(compiled, segments, quantities))
-    looks = first_look(picture, resting_torque(compiled, segments, quantities))
-    if wrong_clock := tuple(_of_clock(clock_of(looks, compiled, LEVEL) or sped_up())):
+    compiled, picture = repeated.compiled, repeated.picture
+    if wrong_clock := tuple(_of_clock(clock_of(repeated.looks, compiled, LEVEL) or slow_clock(repeated, LEVEL))):
         yield from wrong_clock
         return
     dead = tuple(_dead(picture))
     yield from dead
 
-    recording = Recording(segments, quantities, compiled)
+    recording = Recording(repeated.by_drives)
     too_small = tuple(mistaken_at_rest(picture, recording))
     yield from too_small
     of_loads = chain(mistaken_loads(picture, recording), of_payload(picture))
@@ -147,17 +138,16 @@ def _of_drives(
             mistaken += of_drive
             yield from of_drive
     if not (dead or too_small or mistaken):
-        yield from mistaken_in_one_run(picture, segments)
+        yield from mistaken_in_one_run(picture, repeated.paid)
 
 
-def _of_payload(
-    stated: Campaign, compiled: CompiledRobot, drives: tuple[Quantity, ...], picture: DrivePicture
-) -> Iterator[Mistake]:
+def _of_payload(stated: Campaign, repeated: Repeated, picture: DrivePicture) -> Iterator[Mistake]:
     """Yield the payload that is known besides, if there is one, as what may be wrong."""
     payloads = [one.value for one in stated.known if one.quantity == PAYLOAD and one.value > 0]
     if payloads:
-        segments = readings_of(segments_of(stated, compiled, drives, BINS), drives, drives)
-        yield from mistaken_payload(picture, Recording(segments, drives, compiled), max(payloads))
+        drives = repeated.drives
+        segments = readings_of(segments_of(stated, repeated.compiled, drives, BINS), drives, drives)
+        yield from mistaken_payload(picture, Recording(repeated.replay(segments, drives)), max(payloads))
 
 
 def _of_clock(clock: Clock | None) -> Iterator[Finding]:

@@ -13,7 +13,6 @@ from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import NOMINAL, World
 from bench.effects.effect import Acting, Effect, Place, Values
 from bench.effects.gas import CounterbalanceGas
-from bench.effects.masses import RotorInertia
 from bench.effects.payloads import UnstatedPayload, rated_lever
 from bench.effects.places import torque_limit
 from bench.errors import ConvergenceError
@@ -73,21 +72,20 @@ def drive_picture(replay: Replay) -> DrivePicture:
     """
     trace = replay.trace(NOMINAL)
     nominal = replay.predict(NOMINAL)
-    rotors = _rotors(replay, nominal)
+    rotors = _rotors(replay)
     missing = [*_payloads(replay, nominal), *_gas(replay, nominal), *rotors]
-    nominal = nominal - sum(rotors)
     shape = trace.q.shape
     seen = replay.observed
     standing = at_each_instant(replay.segments, [segment.standing for segment in replay.segments])
-    observed, model = np.full(shape, np.nan), np.zeros(shape)
+    observed = np.full(shape, np.nan)
     extra, names, units = np.zeros((*shape, len(missing))), [""] * shape[1], np.ones(shape[1])
     for c, quantity in enumerate(replay.quantities):
         j, unit = quantity.index, _in_nm(quantity, replay.compiled)
         observed[:, j], units[j] = unit * seen[:, c], unit
-        model[:, j] = unit * nominal[:, c]
         extra[:, j] = unit * np.stack([change[:, c] for change in missing], axis=1) if missing else extra[:, j]
         names[j] = quantity.column
-    if not (np.all(np.isfinite(model)) and np.all(np.isfinite(extra))):
+    model = _of_joints(replay, nominal - sum(rotors))
+    if not np.all(np.isfinite(extra)):
         raise ConvergenceError("its torques are not finite")
     compiled = replay.compiled
     level = compiled.motor_coulomb + compiled.link_coulomb
@@ -104,6 +102,30 @@ def drive_picture(replay: Replay) -> DrivePicture:
         missing=extra,
         names=tuple(names),
     )
+
+
+def needed_torque(replay: Replay) -> Array:
+    """Return `DrivePicture.model` of a campaign alone, shape (T, n) [Nm].
+
+    Raises:
+        ConvergenceError: The model's torques are not finite.
+    """
+    nominal = replay.predict(NOMINAL)
+    return _of_joints(replay, nominal - sum(_rotors(replay)))
+
+
+def _of_joints(replay: Replay, nominal: Array) -> Array:
+    """Return what drives read by the model, shape (T, c), as torques of joints, shape (T, n) [Nm]; 0 where none is.
+
+    Raises:
+        ConvergenceError: They are not finite.
+    """
+    model = np.zeros((len(nominal), replay.compiled.n_joints))
+    for c, quantity in enumerate(replay.quantities):
+        model[:, quantity.index] = _in_nm(quantity, replay.compiled) * nominal[:, c]
+    if not np.all(np.isfinite(model)):
+        raise ConvergenceError("its torques are not finite")
+    return model
 
 
 def _payloads(replay: Replay, nominal: Array) -> list[Array]:
@@ -154,11 +176,16 @@ def _gas(replay: Replay, nominal: Array) -> list[Array]:
     return _added(replay, nominal, effect, at)
 
 
-def _rotors(replay: Replay, nominal: Array) -> list[Array]:
-    """Return what each rotor that nobody knows adds to the readings, shape (T, c) each."""
-    effect, unknown = RotorInertia(), replay.compiled.robot.figures.drive_uncertainty.rotor_is_unknown
-    at = [(place, {"change": 1.0}) for place in effect.places(replay.compiled) if unknown[place.index]]
-    return _added(replay, nominal, effect, at)
+def _rotors(replay: Replay) -> list[Array]:
+    """Return what each rotor that nobody knows adds to the readings, shape (T, c) each; its torque is linear in it."""
+    compiled = replay.compiled
+    unknown = np.flatnonzero(compiled.robot.figures.drive_uncertainty.rotor_is_unknown)
+    trace, nominal = replay.trace(NOMINAL), replay.predict(NOMINAL)
+    paid = np.zeros_like(trace.motor_torque)
+    for course, along in replay.followed(NOMINAL) if len(unknown) else ():
+        paid[course.rows] = along.compiled.model.dof_armature[along.compiled.at.q_dof] * along.acceleration
+    more = (trace.motor_torque + paid * (np.arange(compiled.n_joints) == j) for j in unknown)
+    return [replay.read(NOMINAL, replace(trace, motor_torque=torque)) - nominal for torque in more]
 
 
 def _added(replay: Replay, nominal: Array, effect: Effect, at: Sequence[tuple[Place, Values]]) -> list[Array]:

@@ -11,13 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import stats
+from scipy.special import ndtri
 
-from bench.diagnose.plausibility.drive_picture import LEAST, DrivePicture, drive_picture
+from bench.diagnose.plausibility.drive_picture import LEAST, DrivePicture, needed_torque
 from bench.diagnose.plausibility.physical_fit import FITS
-from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import Segment
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
@@ -91,13 +89,11 @@ def first_look(picture: DrivePicture, at_rest: Array) -> tuple[DriveLook, ...]:
     return tuple(found)
 
 
-def resting_torque(compiled: CompiledRobot, segments: Sequence[Segment], quantities: tuple[Quantity, ...]) -> Array:
+def resting_torque(replay: Replay) -> Array:
     """Return the nominal model's torque without what comes with motion, shape (T, n) [Nm].
 
     Args:
-        compiled: The nominal robot.
-        segments: With readings of drives.
-        quantities: Of drives.
+        replay: Of segments with readings of drives.
 
     Raises:
         ConvergenceError: The model finds no balance.
@@ -109,9 +105,9 @@ def resting_torque(compiled: CompiledRobot, segments: Sequence[Segment], quantit
                 segment.motion, velocity=SLOW * segment.motion.velocity, acceleration=0 * segment.motion.acceleration
             ),
         )
-        for segment in segments
+        for segment in replay.segments
     )
-    return drive_picture(Replay(compiled, resting, quantities)).model
+    return needed_torque(replay.of(resting))
 
 
 def _factors(y: Array, parts: Sequence[Array], free: Array) -> tuple[list[Factor], float]:
@@ -202,6 +198,6 @@ def clock_of(looks: Sequence[DriveLook], compiled: CompiledRobot, level: float) 
     values, weights = np.array(logs), np.hypot(np.maximum(rotors, np.sort(rotors)[1]), sigmas) ** -2.0
     mean = float(weights @ values / weights.sum())
     birge = max(1.0, float(weights @ (values - mean) ** 2) / (len(values) - 1))
-    half = float(stats.norm.ppf(0.5 + level / 2) * np.sqrt(birge / weights.sum()))
+    half = float(ndtri(0.5 + level / 2) * np.sqrt(birge / weights.sum()))
     rate, low, high = (float(np.exp(log / 2)) for log in (mean, mean - half, mean + half))
     return Clock(rate, low, high, len(logs))

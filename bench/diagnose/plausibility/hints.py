@@ -6,22 +6,20 @@ from pathlib import Path
 import numpy as np
 
 from bench.diagnose.plausibility.between_runs import too_far_apart
-from bench.diagnose.plausibility.channels import BINS
+from bench.diagnose.plausibility.channels import doubts_of
 from bench.diagnose.plausibility.cold_gears import cold_gears
-from bench.diagnose.plausibility.drive_picture import drive_picture
-from bench.diagnose.plausibility.first_look import DriveLook, Factor, first_look, resting_torque
+from bench.diagnose.plausibility.first_look import DriveLook, Factor
 from bench.diagnose.plausibility.known_temperature import known_temperatures
 from bench.diagnose.plausibility.late_channels import SURE, Late, late_drives, late_gauges, late_reflectors
 from bench.diagnose.plausibility.loads import unlike_weights, weights_that_drives_doubt
 from bench.diagnose.plausibility.one_more_number import one_more_number
 from bench.diagnose.plausibility.one_run import unlike_other_runs
+from bench.diagnose.plausibility.repeated import Repeated
 from bench.diagnose.plausibility.reported_torques import unlike_currents
 from bench.diagnose.plausibility.single_rows import beyond_guessed_limits, overloads
 from bench.diagnose.plausibility.stated_noise import coarse_encoders, noise_as_stated
 from bench.diagnose.plausibility.unexplained import unexplained
-from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import readings_of, segments_of
 from bench.diagnose.replay.world import NOMINAL
 from bench.effects.conditions import REFERENCE_K
 from bench.effects.gas import GasLoss, GasTemperature
@@ -30,7 +28,6 @@ from bench.effects.recording_channel import ChannelDelay
 from bench.effects.sensing_drive import DriveDelay, TorqueConstant
 from bench.errors import ConvergenceError
 from bench.record.campaign import Campaign
-from bench.record.carried import with_payloads
 from bench.record.finding import Finding
 from bench.record.rules.clock import is_unsteady
 from bench.robot.compiled import CompiledRobot
@@ -40,8 +37,31 @@ from bench.store.store import Store
 SCALED = SURE * TorqueConstant.parameters[0].high / 3**0.5
 
 
+def doubts_and_hints_of(
+    campaign: Campaign,
+    compiled: CompiledRobot,
+    known: Sequence[Finding] = (),
+    store: Store | None = None,
+) -> tuple[Finding, ...]:
+    """Return a doubt for each channel that can hardly be what its name says, and where nothing is doubted, hints.
+
+    Args:
+        campaign: A checked campaign.
+        compiled: Its robot, nominal.
+        known: What was found before.
+        store: Where what was simulated is kept between processes; None: nowhere.
+    """
+    repeated = Repeated.of(campaign, compiled)
+    doubts = doubts_of(campaign, compiled, known, repeated)
+    return doubts + hints_of(campaign, compiled, (*known, *doubts), store, repeated)
+
+
 def hints_of(
-    campaign: Campaign, compiled: CompiledRobot, known: Sequence[Finding] = (), store: Store | None = None
+    campaign: Campaign,
+    compiled: CompiledRobot,
+    known: Sequence[Finding] = (),
+    store: Store | None = None,
+    repeated: Repeated | None = None,
 ) -> tuple[Finding, ...]:
     """Return a warning for each channel that looks scaled, late or unlike its drive, as far as a linear look can tell.
 
@@ -50,18 +70,19 @@ def hints_of(
         compiled: Its robot, nominal.
         known: What was found before; with a doubt among it nothing is said.
         store: Where what was simulated is kept between processes; None: nowhere.
+        repeated: The campaign as its robot repeats it, where somebody has looked at it before; None: made here.
     """
     if any(finding.level in ("doubt", "error") for finding in known):
         return ()
-    campaign = with_payloads(campaign)
-    every = quantities_of(campaign.runs, compiled)
+    repeated = repeated or Repeated.of(campaign, compiled)
+    campaign = repeated.campaign
     found = [*too_far_apart(campaign, compiled), *unlike_currents(campaign, compiled), *unlike_weights(campaign)]
     found += [*known_temperatures(campaign), *cold_gears(campaign), *noise_as_stated(campaign, compiled.robot)]
     found += [*coarse_encoders(campaign, compiled.robot)]
     told = {finding.column for finding in known}
     found += [hint for hint in overloads(campaign, compiled) if hint.column not in told]
     found += [hint for hint in beyond_guessed_limits(campaign, compiled) if hint.column not in told]
-    if not every:
+    if not repeated.quantities:
         words = (
             "nothing can be held against the model: no drive torque or current is recorded, and nothing else that it "
             "predicts"
@@ -69,22 +90,18 @@ def hints_of(
         remedy = "record tau_motor_N_nm or current_N_a of the drives"
         return (*found, Finding("warning", "all runs", None, "", words, remedy))
     try:
-        segments = segments_of(campaign, compiled, every, BINS)
-        if not segments:
+        if not repeated.segments:
             words = (
                 "nothing can be held against the model: there is no rest, and no motion that goes on for long enough"
             )
             remedy = "look at the clock; move for longer"
             return (*found, Finding("warning", "all runs", None, "time_s", words, remedy))
-        drives, others = (tuple(q for q in every if q.is_drive is is_drive) for is_drive in (True, False))
-        if paid := readings_of(segments, every, drives):
-            replay = Replay(compiled, paid, drives)
-            picture = drive_picture(replay)
-            at_rest = resting_torque(compiled, paid, drives)
-            scaled = tuple(_scaled(first_look(picture, at_rest), compiled))
+        if paid := repeated.paid:
+            picture, at_rest = repeated.picture, repeated.at_rest
+            scaled = tuple(_scaled(repeated.looks, compiled))
             found += scaled or weights_that_drives_doubt(campaign, compiled)  # currents of a wrong scale say nothing
             alone = (DriveDelay if compiled.n_joints == 1 else ChannelDelay).name
-            found += _late(late_drives(replay, picture, at_rest), LATEST_DRIVE_S, alone)
+            found += _late(late_drives(repeated.by_drives, picture, at_rest), LATEST_DRIVE_S, alone)
             unsteady = [repr(run) for run in _unsteady(campaign)]  # tell no acceleration, and that was said of them
 
             def is_new(hint: Finding) -> bool:
@@ -93,12 +110,12 @@ def hints_of(
             found += filter(is_new, unlike_other_runs(picture, paid, at_rest))
             told = {hint.column for hint in found}
             found += [hint for hint in unexplained(picture, paid) if hint.column not in told and is_new(hint)]
-        if seen := readings_of(segments, every, others):
-            replay = Replay(compiled, seen, others)
+        if repeated.seen:
+            replay = repeated.by_others
             both = (*late_reflectors(replay), *late_gauges(replay))
             found += _late(both, ChannelDelay.parameters[0].low, ChannelDelay.name)
             found += _gauge(replay)
-        found += one_more_number(campaign, compiled, frozenset(_suspected(campaign, found)), store)
+        found += one_more_number(repeated, frozenset(_suspected(campaign, found)), store)
     except ConvergenceError:
         return tuple(found)
     return tuple(found)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import ndtri
 
 from bench.diagnose.plausibility.drive_picture import LEAST, DrivePicture, payload_products
 from bench.diagnose.plausibility.first_look import LEVEL, TOLD, Factor, inflation
@@ -20,7 +20,7 @@ from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import NOMINAL
 from bench.record.campaign import Array
 
-SURE = float(stats.norm.ppf((1 + LEVEL) / 2))  # derived: standard errors at the ends of that interval
+SURE = float(ndtri((1 + LEVEL) / 2))  # derived: standard errors at the ends of that interval
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 
 from bench.diagnose.plausibility.drive_picture import DrivePicture
 from bench.diagnose.plausibility.mistaken import NEAR, POUND_N, doubt
-from bench.diagnose.plausibility.mistaken_inputs import ELSEWHERE, Recording, with_loads
+from bench.diagnose.plausibility.mistaken_inputs import ELSEWHERE, Recording, torque_with
 from bench.diagnose.replay.instants import instants_of
 from bench.effects.recording_log import HungLoad
 from bench.errors import InputError
@@ -45,28 +45,29 @@ def mistaken_at_rest(picture: DrivePicture, recording: Recording) -> Iterator[Fi
         picture: What drives did.
         recording: The same, to be replayed with other loads.
     """
-    bare = with_loads(recording)
+    bare = torque_with(recording)
     if bare is None:
         return
-    factor = _slope(*_changes(picture, picture, bare, recording))
+    factor = _slope(*_changes(picture, picture.model - bare, recording))
     if factor > TOO_SMALL:
         guess = next(
             (words for unit, words in UNITS.items() if abs(np.log(factor / unit)) < NEAR), "look at their unit"
         )
         yield doubt("load_z_n", f"drives paid for loads about {factor:.2g} times as large", guess)
         return
-    unlike = _unlike(*_changes(picture, picture, bare, recording, inner=True))
+    unlike = _unlike(*_changes(picture, picture.model - bare, recording, inner=True))
     found = []
     for column, message, remedy, loads in ELSEWHERE if unlike > UNLIKE else ():
-        if other := with_loads(recording, loads):
-            found.append((_unlike(*_changes(picture, other, bare, recording, inner=True)), column, message, remedy))
+        other = torque_with(recording, loads)
+        if other is not None:
+            found.append((_unlike(*_changes(picture, other - bare, recording, inner=True)), column, message, remedy))
     if found and min(found)[0] < FAR_BETTER * unlike:
         _, column, message, remedy = min(found)
         yield doubt(column, f"loads {message}", remedy)
 
 
 def _changes(
-    picture: DrivePicture, loaded: DrivePicture, bare: DrivePicture, recording: Recording, *, inner: bool = False
+    picture: DrivePicture, of_loads: Array, recording: Recording, *, inner: bool = False
 ) -> tuple[Array, Array]:
     """Return what drives paid more than before, and what loads ask for, shape (m,) each.
 
@@ -76,9 +77,8 @@ def _changes(
     paid, asked = [np.zeros(0)], [np.zeros(0)]
     for segment, rows in zip(recording.segments, instants_of(recording.segments), strict=True):
         if segment.is_static and len(segment) > 1:
-            of_load = (loaded.model - bare.model)[rows] / picture.slack
-            seen = picture.observed[rows] / picture.slack
-            for found, values in ((paid, seen), (asked, of_load)):
+            seen, asks = picture.observed[rows] / picture.slack, of_loads[rows] / picture.slack
+            for found, values in ((paid, seen), (asked, asks)):
                 found.append((np.diff(values, axis=0)[1:-1] if inner else values[1:] - values[0]).ravel())
     y, x = np.concatenate(paid), np.concatenate(asked)
     known = np.isfinite(y)

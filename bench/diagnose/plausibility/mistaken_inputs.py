@@ -10,7 +10,7 @@ from itertools import combinations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
+from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture, needed_torque
 from bench.diagnose.plausibility.mistaken import Mistake
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
@@ -18,7 +18,6 @@ from bench.diagnose.replay.segments import Index, Segment
 from bench.errors import ConvergenceError
 from bench.record.campaign import Array
 from bench.record.units import STANDARD_GRAVITY
-from bench.robot.compiled import CompiledRobot
 
 OfLoads = Callable[[Segment], Array]  # wrenches of a segment as they would be without a mistake, shape (T, 6)
 
@@ -82,19 +81,20 @@ class Recording:
     """What is replayed.
 
     Attributes:
-        segments: With readings of drives.
-        quantities: Of drives.
-        compiled: The nominal robot.
+        replay: Of drives alone, by the nominal robot.
     """
 
-    segments: Sequence[Segment]
-    quantities: tuple[Quantity, ...]
-    compiled: CompiledRobot
+    replay: Replay
+
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        """With readings of drives."""
+        return self.replay.segments
 
     @property
     def plain(self) -> Change:
         """What changes nothing."""
-        n = self.compiled.n_joints
+        n = self.replay.compiled.n_joints
         return Change(np.arange(n), np.ones(n), np.ones(n))
 
 
@@ -121,7 +121,7 @@ def mistaken_payload(picture: DrivePicture, without: Recording, stated: float) -
 def mistaken_joints(picture: DrivePicture, recording: Recording) -> Iterator[Mistake]:
     """Yield each joint turned and every two exchanged, with what the model makes of it; simulated."""
     names = [name or f"q_motor_{j + 1}" for j, name in enumerate(picture.names)]
-    plain, compiled = recording.plain, recording.compiled
+    plain, compiled = recording.plain, recording.replay.compiled
     drives = [drive.joint for drive in compiled.robot.figures.drives]
     for j, drive in enumerate(drives):
         signs = np.where(plain.order == j, -1.0, 1.0)
@@ -142,15 +142,17 @@ def mistaken_joints(picture: DrivePicture, recording: Recording) -> Iterator[Mis
 def _mistake(
     picture: DrivePicture, recording: Recording, column: str, message: str, remedy: str, change: Change
 ) -> Iterator[Mistake]:
-    again = _again(recording, change)
-    if again:
-        there = tuple(j for j, name in enumerate(picture.names) if name)
-        yield Mistake(there, (column,), message, remedy, again)
+    try:
+        again = drive_picture(_again(recording, change))
+    except ConvergenceError:  # the model finds no balance
+        return
+    there = tuple(j for j, name in enumerate(picture.names) if name)
+    yield Mistake(there, (column,), message, remedy, again)
 
 
-def _again(recording: Recording, change: Change) -> DrivePicture | None:
-    """Return the picture with a change; None where the model finds no balance."""
-    quantities, order = recording.quantities, change.order
+def _again(recording: Recording, change: Change) -> Replay:
+    """Return the replay with a change; raises a ConvergenceError where the model finds no balance."""
+    quantities, order = recording.replay.quantities, change.order
     source = [_index_of(quantities, quantity, int(order[quantity.index])) for quantity in quantities]
     found = []
     for segment in recording.segments:
@@ -168,10 +170,7 @@ def _again(recording: Recording, change: Change) -> DrivePicture | None:
         found.append(
             replace(segment, motion=motion, observed=readings, standing=segment.standing[order], average_excess=None)
         )
-    try:
-        return drive_picture(Replay(recording.compiled, tuple(found), quantities))
-    except ConvergenceError:
-        return None
+    return recording.replay.of(tuple(found))
 
 
 def _index_of(quantities: tuple[Quantity, ...], like: Quantity, drive: int) -> int | None:
@@ -179,8 +178,11 @@ def _index_of(quantities: tuple[Quantity, ...], like: Quantity, drive: int) -> i
     return next((c for c, q in enumerate(quantities) if q.kind == like.kind and q.index == drive), None)
 
 
-def with_loads(recording: Recording, loads: OfLoads = NOTHING) -> DrivePicture | None:
-    """Return the picture with other loads; None where there are none, or the model finds no balance."""
+def torque_with(recording: Recording, loads: OfLoads = NOTHING) -> Array | None:
+    """Return what drives need with other loads, shape (T, n) [Nm]; None: there are no loads, or there is no balance."""
     if not any(np.any(segment.motion.wrench) for segment in recording.segments):
         return None
-    return _again(recording, replace(recording.plain, loads=loads))
+    try:
+        return needed_torque(_again(recording, replace(recording.plain, loads=loads)))
+    except ConvergenceError:
+        return None

@@ -16,15 +16,15 @@ from bench.diagnose.plausibility.linear_fit import LinearFit, fitted, gain_of
 from bench.diagnose.plausibility.listed_causes import ListedCauses, listed_causes
 from bench.diagnose.plausibility.one_run import EXPLAINED, FAR
 from bench.diagnose.plausibility.rates import rates_of
+from bench.diagnose.plausibility.repeated import Repeated
 from bench.diagnose.plausibility.words_of_fault import HARDLY, in_words
 from bench.diagnose.replay.instants import at_each_instant, run_of_each
-from bench.diagnose.replay.quantities import Quantity, quantities_of
+from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment, segments_of
 from bench.effects.recorded import recorded_in
-from bench.record.campaign import Array, Campaign
+from bench.record.campaign import Array
 from bench.record.finding import Finding
-from bench.robot.compiled import CompiledRobot
 from bench.store.store import Store
 
 BINS = 30  # effort: of one run at most; enough for one number
@@ -132,22 +132,22 @@ class OneRunAmongOthers:
         return fit
 
 
-def one_more_number(
-    campaign: Campaign, compiled: CompiledRobot, told: frozenset[str], store: Store | None = None
-) -> Iterator[Finding]:
+def one_more_number(repeated: Repeated, told: frozenset[str], store: Store | None = None) -> Iterator[Finding]:
     """Yield a warning for each run in which one number more explains what a channel, an angle or a load is.
 
     Args:
-        campaign: A checked campaign, with known payloads carried.
-        compiled: Its robot, nominal.
+        repeated: The campaign.
         told: Runs of which something was told already.
         store: Where what was simulated is kept between processes; None: nowhere.
     """
-    quantities = tuple(q for q in quantities_of(campaign.runs, compiled) if q.kind != "gas_temperature")
+    campaign, compiled = repeated.campaign, repeated.compiled
+    if len(campaign.runs) <= OTHERS:
+        return
+    quantities = tuple(q for q in repeated.quantities if q.kind != "gas_temperature")
     segments = segments_of(campaign, compiled, quantities, BINS)
     if len({segment.run for segment in segments}) <= OTHERS:
         return
-    replay = Replay(compiled, _sliding(segments, quantities), quantities)
+    replay = repeated.replay(_sliding(segments, quantities), quantities)
     causes = listed_causes(replay, recorded_in(campaign.runs, compiled.model.opt.gravity), store)
     if causes is None:
         return

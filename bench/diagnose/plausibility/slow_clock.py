@@ -10,39 +10,33 @@ from dataclasses import replace
 
 from bench.diagnose.plausibility.drive_picture import drive_picture
 from bench.diagnose.plausibility.first_look import Clock, clock_of, first_look, resting_torque
+from bench.diagnose.plausibility.repeated import BINS, Repeated
 from bench.diagnose.plausibility.speeds import fastest
-from bench.diagnose.replay.quantities import Quantity
-from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import readings_of, segments_of
 from bench.errors import ConvergenceError
 from bench.record.campaign import Campaign, Run
-from bench.robot.compiled import CompiledRobot
 
 USUAL = (
     0.3  # effort: of a drive's speed limit, at which the fastest joint is looked at; its clock is estimated from there
 )
 
 
-def slow_clock(
-    campaign: Campaign, compiled: CompiledRobot, drives: tuple[Quantity, ...], level: float, bins: int
-) -> Clock | None:
+def slow_clock(repeated: Repeated, level: float) -> Clock | None:
     """Return the rate of a clock that counts more than a second for each second; None where nothing tells.
 
     Args:
-        campaign: A checked campaign.
-        compiled: Its robot, nominal.
-        drives: What drives paid.
+        repeated: The campaign.
         level: Of the interval.
-        bins: Of one run at most.
     """
+    campaign, compiled, drives = repeated.campaign, repeated.compiled, repeated.drives
     factor = fastest(campaign, compiled) / USUAL
     if not 0 < factor < 1:  # what is faster shows inertia as it is
         return None
     faster = replace(campaign, runs=tuple(_with_clock(campaign, factor)))
     try:
-        segments = readings_of(segments_of(faster, compiled, drives, bins), drives, drives)
-        picture = drive_picture(Replay(compiled, segments, drives))
-        found = clock_of(first_look(picture, resting_torque(compiled, segments, drives)), compiled, level)
+        segments = readings_of(segments_of(faster, compiled, drives, BINS), drives, drives)
+        replay = repeated.replay(segments, drives)
+        found = clock_of(first_look(drive_picture(replay), resting_torque(replay)), compiled, level)
     except ConvergenceError:
         return None
     if found is None or found.low < factor:

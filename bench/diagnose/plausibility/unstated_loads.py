@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from bench.diagnose.plausibility.drive_picture import HELD
 from bench.diagnose.plausibility.mistaken import doubt
 from bench.diagnose.plausibility.physical_fit import HOLDS
+from bench.diagnose.plausibility.repeated import Repeated
 from bench.diagnose.replay.quantities import Quantity
-from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.static_segments import visits_of
 from bench.diagnose.replay.world import NOMINAL
 from bench.effects.places import torque_limit
-from bench.record.campaign import Array, Campaign
+from bench.record.campaign import Array
 from bench.record.finding import Finding, counted
 from bench.record.rules.sheet import LOAD_N
 from bench.robot.compiled import CompiledRobot
@@ -50,20 +50,15 @@ class _Visit:
     compliance: dict[int, Array]
 
 
-def unstated_loads(
-    campaign: Campaign, compiled: CompiledRobot, segments: tuple[Segment, ...], quantities: tuple[Quantity, ...]
-) -> Iterator[Finding]:
+def unstated_loads(repeated: Repeated) -> Iterator[Finding]:
     """Yield a doubt where a tracker or drives show loads that no column states.
 
     Args:
-        campaign: A checked campaign.
-        compiled: Its robot, nominal.
-        segments: Of the campaign.
-        quantities: Of the segments.
+        repeated: The campaign.
     """
     shown: dict[str, str] = {}
-    for visit in _visits(campaign, compiled, segments, quantities):
-        if visit.run not in shown and (words := _shown(visit, compiled, quantities)):
+    for visit in _visits(repeated):
+        if visit.run not in shown and (words := _shown(visit, repeated.compiled, repeated.quantities)):
             shown[visit.run] = words
     if shown:
         run, words = next(iter(shown.items()))
@@ -73,50 +68,46 @@ def unstated_loads(
         )
 
 
-def _visits(
-    campaign: Campaign, compiled: CompiledRobot, segments: tuple[Segment, ...], quantities: tuple[Quantity, ...]
-) -> Iterator[_Visit]:
+def _visits(repeated: Repeated) -> Iterator[_Visit]:
     """Yield the visits of runs without a force sensor, in which there is more than one load step."""
     of_run: dict[str, list[Segment]] = {}
-    for segment in segments:
+    for segment in repeated.segments:
         if segment.is_static:
             of_run.setdefault(segment.run, []).append(segment)
     found = []
-    for run in campaign.of_kind("static"):
+    for run in repeated.campaign.of_kind("static"):
         if any(name.startswith("force_") for name in run.columns):
             continue
-        by_label = {one.label: one for one in visits_of(run, compiled)}
+        by_label = {one.label: one for one in visits_of(run, repeated.compiled)}
         for segment in of_run.get(run.name, ()):
             groups = by_label[segment.label].groups if segment.label in by_label else ()
             step = np.array([run.columns["load_step"][rows[0]] for rows in groups])
             if len(step) == len(segment) and np.ptp(step) > 0:
                 found.append((segment, step))
-    every = _compliances(compiled, [segment for segment, _ in found], quantities)
+    every = _compliances(repeated, [segment for segment, _ in found])
     for (segment, step), compliance in zip(found, every, strict=True):
         load = segment.motion.wrench[segment.motion.read][:, :AXES]
         yield _Visit(segment.run, step, load, segment.observed, compliance)
 
 
-def _compliances(
-    compiled: CompiledRobot, visits: list[Segment], quantities: tuple[Quantity, ...]
-) -> list[dict[int, Array]]:
+def _compliances(repeated: Repeated, visits: list[Segment]) -> list[dict[int, Array]]:
     """Return for each visit what forces move each reflector, shape (3, 3) [m/N] each."""
-    places = _places(quantities)
+    places = _places(repeated.quantities)
     if not visits or not places:
         return [{} for _ in visits]
-    rated = compiled.robot.figures.rating.force_n
-    pulled = [_predicted(compiled, visits, quantities, force) for force in (np.zeros(AXES), *rated * np.eye(AXES))]
+    rated = repeated.compiled.robot.figures.rating.force_n
+    pulled = [_predicted(repeated, visits, force) for force in (np.zeros(AXES), *rated * np.eye(AXES))]
     moved = np.stack([one - pulled[0] for one in pulled[1:]], axis=2) / rated  # shape (T, c, 3)
     begins = np.cumsum([0, *(len(visit) for visit in visits)])[:-1]
     return [{k: moved[i, c] for k, c in places.items()} for i in begins]
 
 
-def _predicted(compiled: CompiledRobot, visits: list[Segment], quantities: tuple[Quantity, ...], force: Array) -> Array:
+def _predicted(repeated: Repeated, visits: list[Segment], force: Array) -> Array:
     wrench = np.concatenate([force, np.zeros(AXES)])
     loaded = tuple(
         replace(one, motion=replace(one.motion, wrench=np.tile(wrench, (len(one.motion.wrench), 1)))) for one in visits
     )
-    return Replay(compiled, loaded, quantities).predict(NOMINAL)
+    return repeated.replay(loaded, repeated.quantities).predict(NOMINAL)
 
 
 def _places(quantities: tuple[Quantity, ...]) -> dict[int, list[int]]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from bench.diagnose.replay.instants import slices_of
 from bench.diagnose.replay.segments import Segment
 from bench.diagnose.replay.winding import MotionSpline
-from bench.diagnose.replay.world import World, log_error_of
+from bench.diagnose.replay.world import World, log_error_of, moves
 from bench.effects.conditions import Conditions
 from bench.record.campaign import Array
 from bench.simulate.prescribed import Motion
@@ -95,6 +95,19 @@ def courses_of(
             )
         )
     return tuple(courses)
+
+
+def moves_along(world: World, course: Course) -> bool:
+    """Whether a robot may move otherwise than the nominal one along a course, in a world of its recording.
+
+    What sets in with a later run is not there yet, and an error in the log of another run is none of this course.
+    """
+    if any(nuisance.moves_robot for nuisance in world.deviations):
+        return True
+    places = [acting.place for acting in world.acting if moves(acting.effect)]
+    return any(
+        place.since_s <= course.conditions.time_s and (not place.runs or course.run in place.runs) for place in places
+    )
 
 
 def true_conditions(world: World, course: Course) -> Conditions:

@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
-from scipy.signal import lfilter
 
 from bench.record.campaign import Array
 
@@ -96,6 +95,8 @@ def _crossing(torque: Array, step: float, gear: Gears) -> Crossing:
 
 def _speed(torque: Array, step: float, begins: float, gear: Gears) -> Array:
     """Return the speed of a link that flies, shape (T,) [rad/s] or [m/s], from what it begins with."""
+    from scipy.signal import lfilter  # here: half a second that who needs none need not wait
+
     fades = np.exp(-gear.damping / gear.inertia * step)
     pushed = (torque[1:] + torque[:-1]) / 2 * step / gear.inertia * np.sqrt(fades)  # each as in the middle of its step
     found: Array = lfilter([1.0], [1.0, -fades], np.concatenate([[begins], pushed]))

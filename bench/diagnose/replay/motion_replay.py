@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.replay.average_friction import average_friction, bends
-from bench.diagnose.replay.courses import Course, Moved, count_of, courses_of, true_conditions
+from bench.diagnose.replay.courses import Course, Moved, count_of, courses_of, moves_along, true_conditions
 from bench.diagnose.replay.fitted import fitted_world
 from bench.diagnose.replay.gas_history import GasHistory
 from bench.diagnose.replay.instants import at_each_instant, slices_of
@@ -32,11 +32,10 @@ from bench.diagnose.replay.world import (
 from bench.effects.conditions import Conditions
 from bench.effects.effect import Acting
 from bench.effects.followed import Followed
-from bench.identify.dynamics.regressor import standard_parameters
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 from bench.robot.counterbalance import Counterbalance
-from bench.robot.links import rigid_bodies
+from bench.robot.links import Poses, inertial_parameters, poses_of
 from bench.robot.patched import Structure
 from bench.robot.recent import Recent
 from bench.simulate.bare import bare_spec
@@ -75,6 +74,7 @@ class MotionReplay:
         self._known: Recent[Hashable, Moved] = Recent(MOST_KNOWN)
         self._rates: Recent[Hashable, tuple[Array, Array]] = Recent(MOST_RATES)
         self._inertial: Recent[bytes, Array] = Recent(MOST_LINKS)  # parameters of links, by what models have
+        self._poses: Recent[bytes, Poses] = Recent(MOST_LINKS)  # likewise
         self._rows = slices_of(count_of(segment) for segment in segments)
         self._recordings: dict[str, list[int]] = {}  # recording -> its segments
         for i, segment in enumerate(segments):
@@ -196,7 +196,7 @@ class MotionReplay:
 
     def _moved_along(self, world: World, course: Course) -> Moved:
         """Return how the robot of a world moved along a course, at what is read of it."""
-        if not world_in(world, course.recording).changes_robot:
+        if not moves_along(world_in(world, course.recording), course):
             return self._nominal[course.rows]
         return self._followed(world, course)[0]
 
@@ -250,9 +250,11 @@ class MotionReplay:
     def _inertial_parameters(self, compiled: CompiledRobot) -> Array:
         """Return the inertial parameters of the links of a world's robot, with what is bolted on, shape (10 n,)."""
         model = compiled.model
-        parts = (model.body_mass, model.body_inertia, model.body_ipos, model.body_iquat, model.body_pos)
-        key = b"".join(part.tobytes() for part in parts)
-        return self._inertial.get(key, lambda: standard_parameters(rigid_bodies(compiled)))
+        placed = b"".join(part.tobytes() for part in (model.body_pos, model.body_quat, model.jnt_pos))
+        weighed = (model.body_mass, model.body_inertia, model.body_ipos, model.body_iquat)
+        key = placed + b"".join(part.tobytes() for part in weighed)
+        poses = partial(self._poses.get, placed, lambda: poses_of(compiled))
+        return self._inertial.get(key, lambda: inertial_parameters(compiled, poses()))
 
     def _at_the_middle(self, trace: Trace, course: Course, bend: Array) -> Trace:
         """Return a trace with links where they are in the middle of a bin, not where averaged torques hold them.

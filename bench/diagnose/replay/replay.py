@@ -22,6 +22,7 @@ from bench.effects.effect import Effect
 from bench.effects.levels import acts_in
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
+from bench.robot.patched import Structure
 from bench.robot.recent import Recent
 from bench.simulate.prescribed import TOLERANCE
 from bench.simulate.trace import Trace
@@ -37,6 +38,7 @@ class Replay(MotionReplay):
         segments: The campaign.
         quantities: What is predicted.
         tolerance: Of the torques on the links, where a balance counts as found.
+        structure: The robot, ready to be changed, where another replay has it already.
     """
 
     def __init__(
@@ -45,10 +47,15 @@ class Replay(MotionReplay):
         segments: tuple[Segment, ...],
         quantities: tuple[Quantity, ...],
         tolerance: float = TOLERANCE,
+        structure: Structure | None = None,
     ) -> None:
-        super().__init__(compiled, segments, tolerance)
+        super().__init__(compiled, segments, tolerance, structure)
         self.quantities = quantities
         self._earlier: Recent[float, MotionReplay] = Recent(MOST_EARLIER)  # by how many seconds
+
+    def of(self, segments: tuple[Segment, ...]) -> "Replay":
+        """Return the replay of other segments, with the same quantities, by the same robot."""
+        return Replay(self.compiled, segments, self.quantities, self._tolerance, self._structure)
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -80,18 +80,24 @@ def steps_of(world: World, conditions: Conditions) -> list[Step]:
     """Return the same, as steps that another world may have in common with this one."""
     share = 1.0 + sum(value for nuisance, value in world.deviations.items() if nuisance.scales_payload)
     payload_kg = share * conditions.payload_kg
-    off = [(nuisance, value) for nuisance, value in world.deviations.items() if nuisance.edit and value]
-    figures, drifts = ([one for one in off if one[0].after_effects is after] for after in (False, True))
-    steps = [_deviating(figures), Step(payload_kg, lambda: (bolt_on(payload_kg),) if payload_kg else ())]
+    figures, drifts = (
+        [
+            Step((nuisance, value), partial(_deviating, nuisance.edit, value))
+            for nuisance, value in world.deviations.items()
+            if nuisance.edit and value and nuisance.after_effects is after
+        ]
+        for after in (False, True)
+    )
+    steps = [*figures, Step(payload_kg, lambda: (bolt_on(payload_kg),) if payload_kg else ())]
     during = conditions.key
     for acting in world.acting:
         key = acting.effect, acting.place, tuple(acting.values.items()), during
         steps.append(Step(key, partial(_acting, acting, conditions)))
-    return [*steps, _deviating(drifts)] if drifts else steps
+    return [*steps, *drifts]
 
 
-def _deviating(off: Sequence[tuple[Nuisance, float]]) -> Step:
-    return Step(tuple(off), lambda: tuple(nuisance.edit(value) for nuisance, value in off if nuisance.edit))
+def _deviating(edit: Callable[[float], SpecEdit], value: float) -> tuple[SpecEdit, ...]:
+    return (edit(value),)
 
 
 def _acting(acting: Acting, conditions: Conditions) -> tuple[SpecEdit, ...]:

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import signal
 from scipy.interpolate import CubicSpline
 
 from bench.errors import InputError
@@ -74,9 +73,11 @@ def low_pass(values: Array, rate: float, cutoff_hz: float) -> Array:
     """Return values, shape (T, ...), through a zero-phase Butterworth low-pass; as they are where it lies too high."""
     if cutoff_hz >= HIGHEST * rate / 2:
         return values
-    sections = signal.butter(ORDER, cutoff_hz / (rate / 2), output="sos")
+    from scipy.signal import butter, sosfiltfilt  # here: half a second that who needs none need not wait
+
+    sections = butter(ORDER, cutoff_hz / (rate / 2), output="sos")
     pad = min(len(values) - 1, int(np.ceil(rate / cutoff_hz)) + 3 * (2 * len(sections) + 1))
-    return np.asarray(signal.sosfiltfilt(sections, values, axis=0, padlen=pad))
+    return np.asarray(sosfiltfilt(sections, values, axis=0, padlen=pad))
 
 
 def band_of(runs: Sequence[MotionSamples], cutoff_hz: float | None = None) -> Band:
@@ -128,7 +129,9 @@ def _spectrum(velocity: Array, rate: float) -> tuple[Array, Array]:
     Steps of an encoder, differentiated, have a power that rises with the frequency: of slow motion that is more than
     1 %, and would pass for its bandwidth. Its level is that of the upper half of all frequencies, where no motion is.
     """
-    frequency, power = signal.periodogram(velocity, rate, window="hann", detrend=False, axis=0)
+    from scipy.signal import periodogram  # here: half a second that who needs none need not wait
+
+    frequency, power = periodogram(velocity, rate, window="hann", detrend=False, axis=0)
     differentiated = np.sin(np.pi * frequency / rate)[:, None] ** 2
     upper = frequency > rate / 4
     level = power[upper].sum(axis=0) / differentiated[upper].sum()

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy.special import stdtrit
 
 from bench.identify.arm import Arm
 from bench.identify.dynamics.band import Band
@@ -135,7 +135,7 @@ class FirstPass:
 
     def quantile(self, level: float = 0.9) -> float:
         """Return half the width of an interval in standard errors; Student's t with the independent readings left."""
-        return float(stats.t.ppf(0.5 + level / 2, self.solution.freedom))
+        return float(stdtrit(self.solution.freedom, 0.5 + level / 2))
 
     def rows(self, stretches: Sequence[Equations], band: Band | None = None) -> tuple[DriveRows, ...]:
         """Return the equations of each drive, from stretches that passed `band`, by default that of the fit."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import stdtrit
 
 from bench.identify.dynamics.consistency import Bodies, nearest
 from bench.identify.dynamics.folds import Folds
@@ -102,7 +102,7 @@ def surely_positive(gain: Array) -> NDArray[np.bool_]:
         gain: Shape (P, n) [nats], of each part of what is held out; P of 2 or more.
     """
     root = np.sign(gain) * np.sqrt(np.abs(gain))
-    least = stats.t.ppf(SURE, len(root) - 1) * root.std(axis=0, ddof=1) / np.sqrt(len(root))
+    least = stdtrit(len(root) - 1, SURE) * root.std(axis=0, ddof=1) / np.sqrt(len(root))
     return np.asarray(root.mean(axis=0) > least)
 
 

@@ -2,9 +2,9 @@
 
 from collections import defaultdict
 from collections.abc import Hashable, Iterator, Sequence
+from math import comb
 
 import numpy as np
-from scipy import stats
 
 from bench.record.finding import Finding
 from bench.record.rules.sheet import Sheet
@@ -32,12 +32,12 @@ def approach_is_felt(sheets: Sequence[Sheet]) -> Iterator[Finding]:
     count = {pose: (sum(one < 0 for one in every), sum(one != 0 for one in every)) for pose, every in risen.items()}
     count = {pose: one for pose, one in count.items() if one[1]}
     lower, pairs = (sum(one[i] for one in count.values()) for i in (0, 1))
-    if pairs and stats.binom.sf(lower - 1, pairs, 0.5) < CHANCE:
+    if pairs and sum(comb(pairs, k) for k in range(lower, pairs + 1)) < CHANCE * 2**pairs:
         message = f"{FELT}, in {lower} of {pairs} comparisons without load; friction makes them pull more"
         remedy = "sides exchanged? +1 is written where joint positions rose; or servos that overshoot"
         yield next(iter(of_pose[next(iter(count))].values())).warning("approach", message, remedy)
         return
-    chance = {pose: float(stats.hypergeom.sf(own - 1, pairs, lower, of)) for pose, (own, of) in count.items()}
+    chance = {pose: _of_so_many(own, of, lower, pairs) for pose, (own, of) in count.items()}
     worst = min(chance, key=lambda pose: chance[pose], default=None)
     if worst is not None and len(chance) * chance[worst] < CHANCE:
         own, of = count[worst]
@@ -47,6 +47,12 @@ def approach_is_felt(sheets: Sequence[Sheet]) -> Iterator[Finding]:
             f"{FELT}, in {own} of {of} comparisons without load{where}, and in {lower - own} of {pairs - of} elsewhere"
         )
         yield first.warning("approach", message, "sides or tables of two visits exchanged? +1: joint positions rose")
+
+
+def _of_so_many(own: int, of: int, lower: int, pairs: int) -> float:
+    """Return the chance that of some comparisons so many or more are lower, where of all pairs so many are."""
+    ways = sum(comb(of, k) * comb(pairs - of, lower - k) for k in range(own, min(of, lower) + 1))
+    return ways / comb(pairs, lower)
 
 
 def _differences(upwards: Sequence[dict[str, float]], downwards: Sequence[dict[str, float]]) -> Iterator[float]:

@@ -111,9 +111,11 @@ def _more_than_chance(out: Array, size: Array) -> NDArray[np.bool_]:
     rough = out > np.median(size)
     elsewhere = size[~(np.append(rough, False) | np.append(False, rough)) & (size > 0)]
     resolution = float(elsewhere.min()) if len(elsewhere) else float(np.max(size, initial=0.0))
-    around = np.pad(size, AROUND, mode="reflect")
-    noise = np.median(np.lib.stride_tricks.sliding_window_view(around, 2 * AROUND + 2), axis=1)
-    times = out / np.maximum(noise, resolution) if resolution else np.zeros_like(out)
+    times = np.zeros_like(out)
+    if resolution:
+        around = np.lib.stride_tricks.sliding_window_view(np.pad(size, AROUND, mode="reflect"), 2 * AROUND + 2)
+        stands = out > 0
+        times[stands] = out[stands] / np.maximum(np.median(around[stands], axis=1), resolution)
     return _beyond_tails(times)
 
 
@@ -123,7 +125,8 @@ def _beyond_tails(times: Array) -> NDArray[np.bool_]:
 
     order = np.argsort(-times)
     expected = len(times) * 2 * stdtr(TAILS, -times[order])
-    told = np.flatnonzero(pdtrc(np.arange(len(times)), expected) < CHANCE)
+    more = np.flatnonzero(expected < np.arange(1, len(times) + 1))  # as many as are expected are no rare chance
+    told = more[pdtrc(more, expected[more]) < CHANCE]
     far = np.zeros(len(times), dtype=np.bool_)
     far[order[: told[-1] + 1 if len(told) else 0]] = True
     return far

@@ -16,8 +16,8 @@ from bench.identify.dynamics.regressor import (
 )
 from bench.robot.bodies import read_only
 from bench.robot.compiled import compile_robot
-from bench.robot.folder import load_robot
-from bench.robot.links import rigid_bodies
+from bench.robot.folder import load_robot, robot_names
+from bench.robot.links import inertial_parameters, poses_of, rigid_bodies
 from bench.robot.payload import with_payload
 from tests.identify.dynamics.rigid_world import N, arm, robot, torque_of
 
@@ -34,6 +34,14 @@ def test_regressor_times_parameters_is_inverse_dynamics(rng: np.random.Generator
         q, v, a = states(rng, bodies.n_joints)
         expected = np.array([model.inverse_dynamics(*state) for state in zip(q, v, a, strict=True)])
         found = link_regressor(model, q, v, a) @ standard_parameters(model.bodies)
+        np.testing.assert_allclose(found, expected, rtol=0, atol=EXACT * np.abs(expected).max())
+
+
+def test_parameters_of_a_model_are_those_of_its_links() -> None:
+    for name in robot_names():
+        compiled = compile_robot(load_robot(name))
+        expected = standard_parameters(rigid_bodies(compiled))
+        found = inertial_parameters(compiled, poses_of(compiled))
         np.testing.assert_allclose(found, expected, rtol=0, atol=EXACT * np.abs(expected).max())
 
 
