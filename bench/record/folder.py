@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from bench.errors import InputError
-from bench.record.leftovers import Held, Reserve, begin, remove, remove_leftovers
+from bench.record.leftovers import Reserve, remove_leftovers, to_fill
 
 UNWRITABLE = (
     *(errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO),  # full or broken
@@ -59,24 +59,17 @@ def _new_folder(folder: Path, mark: str, replace: bool) -> Iterator[Path]:
         if not (folder / mark).is_file():
             raise InputError(f"{folder}: holds other things than {mark} and is not replaced; choose another name")
     reserve = Reserve()
-    partial, old, held = begin(folder)
-    replaced = Held(folder)  # until the new one has its name; nobody takes it for a leftover meanwhile
-    try:
-        yield partial
+    with to_fill(folder) as (partial, old):
+        try:
+            yield partial
+        finally:
+            reserve.let_go()
         if replace and folder.exists():
             folder.rename(old)
         with _first_to_fill(folder):
             if folder.exists():
                 folder.rmdir()
             partial.rename(folder)
-    finally:
-        if old.exists() and not folder.exists():
-            old.rename(folder)
-        reserve.let_go()
-        for leftover in (partial, old):
-            remove(leftover)
-        held.let_go()
-        replaced.let_go()
 
 
 @contextmanager

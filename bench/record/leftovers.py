@@ -63,15 +63,31 @@ def partial_names(folder: Path) -> tuple[Path, Path]:
     return folder.with_name(f".{folder.name}.{token}.partial"), folder.with_name(f".{folder.name}.{token}.old")
 
 
-def begin(folder: Path) -> tuple[Path, Path, Held]:
-    """Make a folder to fill, and lock it; return it, the name for the one that it replaces, and the lock."""
+@contextlib.contextmanager
+def to_fill(folder: Path) -> Iterator[tuple[Path, Path]]:
+    """Make and lock a folder to fill; give it and the name for the one that it replaces; remove both in the end.
+
+    A signal may end the process at any time: names are known before anything has them.
+    """
     while True:
         partial, old = partial_names(folder)
-        partial.mkdir()
-        held = Held(partial)
-        if held.is_sure or (partial.is_dir() and not held.is_taken):  # the latter on a disk that knows no locks
-            return partial, old, held
-        held.let_go()  # one that cleans up was faster
+        locks = contextlib.ExitStack()
+        try:
+            partial.mkdir()
+            held = Held(partial)
+            locks.callback(held.let_go)
+            if held.is_sure or (partial.is_dir() and not held.is_taken):  # the latter on a disk that knows no locks
+                replaced = Held(folder)  # until the new one has its name; nobody takes it for a leftover meanwhile
+                locks.callback(replaced.let_go)
+                yield partial, old
+                return
+            # one that cleans up was faster
+        finally:
+            if old.exists() and not folder.exists():
+                old.rename(folder)
+            for leftover in (partial, old):
+                remove(leftover)
+            locks.close()
 
 
 def remove(folder: Path) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from bench.errors import InputError
+from bench.record import leftovers
 from bench.record.folder import new_folder
 from bench.record.leftovers import remove_leftovers
 
@@ -115,3 +116,23 @@ def test_places_that_cannot_be(word: str, tmp_path: Path) -> None:
     (tmp_path / "loop").symlink_to("loop")
     with pytest.raises(InputError, match=r"is a (file|loop of links)"), new_folder(tmp_path / word, "mark", False):
         pass
+
+
+@pytest.mark.parametrize("locked", [0, 1])
+def test_a_signal_while_a_folder_is_made_leaves_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, locked: int
+) -> None:
+    """SIGTERM came between the folder and its lock, and the folder stayed."""
+    held: list[Path] = []
+    lock = leftovers.Held
+
+    def told_to_end(folder: Path) -> leftovers.Held:
+        held.append(folder)
+        if len(held) > locked:
+            raise KeyboardInterrupt
+        return lock(folder)
+
+    monkeypatch.setattr(leftovers, "Held", told_to_end)
+    with pytest.raises(KeyboardInterrupt), new_folder(tmp_path / "out", "mark", replace=False):
+        pass
+    assert partials(tmp_path) == []

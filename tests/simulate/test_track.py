@@ -69,11 +69,13 @@ def effects() -> list[tuple[str, int]]:
 @pytest.mark.parametrize(("name", "where"), effects())
 def test_same_motion_with_every_effect(name: str, where: int) -> None:
     robot, effect = load_robot("hh150"), catalogue()[name]
-    places = effect.places(compile_robot(robot))
+    compiled = compile_robot(robot)
+    places = effect.places(compiled)
     if not places:
         pytest.skip("has no place on this robot")
-    values = effect.complete({parameter.name: parameter.typical for parameter in effect.parameters})
-    edit = effect.edit(places[where], values, Conditions.reference(6))
+    place = places[where]
+    values = effect.complete({one.name: one.typical for one in effect.parameters_at(compiled, place)})
+    edit = effect.edit(place, values, Conditions.reference(6))
     if edit is None:
         pytest.skip("is not in the model")
     whole, lean, plant = both(robot, (edit,))
