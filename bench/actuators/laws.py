@@ -17,7 +17,26 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 ROLLING_POWER = 2 / 3  # Palmgren, 1959: of speed, with which friction of lubricated rolling contacts grows
+BALANCER_HARMONICS = (1, 2, 3)  # of the angle; the fourth would be a third of the third at most
 SMALLEST_GAP = 1e-3  # least l_c - l as a part of l_c: a longer tendon would have pressed the gas into nothing
+
+
+def balancer_waves(angle: ArrayLike) -> Array:
+    """Return what the torque of a spring on a lever is linear in: sin q, cos q, sin 2q and so on, shape (..., 6).
+
+    Hooked to the link at a from the joint's axis and to the frame before it at b, the spring has the length
+
+        L = sqrt(a^2 + b^2 + 2 a b cos(q - q0))   and needs the torque   -(F_0 + k (L - L_0)) a b sin(q - q0) / L
+
+    of the drive (law of cosines). Of a spring whose force is k L (free length zero) that is exactly A sin q + B cos q.
+    Else 1 / L adds harmonics, each smaller than the one before, of which the second and third are taken too. (At
+    b / a = 1/3 each is a fifth to a third of the one before.)
+
+    Args:
+        angle: Of the joint [rad].
+    """
+    waves = [wave(k * np.asarray(angle)) for k in BALANCER_HARMONICS for wave in (np.sin, np.cos)]
+    return np.stack(waves, axis=-1)
 
 
 def return_map(

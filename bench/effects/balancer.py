@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 
-from bench.actuators.laws import TorqueTable
+from bench.actuators.laws import BALANCER_HARMONICS, TorqueTable, balancer_waves
 from bench.effects.conditions import Conditions
 from bench.effects.effect import Array, Parameter, Place, Values
 from bench.effects.followed import Followed, Torques
@@ -14,24 +14,17 @@ from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 
 KNOTS = 721  # rounding: half a degree apart over a turn, where a line misses the third harmonic by 0.01 %
-_ALL = ((1, "", "", 1.0), (2, "_2", " 2", 0.5), (3, "_3", " 3", 0.25))  # harmonic, in names, in words, how large
 
 
 def _sizes() -> tuple[Parameter, ...]:
-    """Return six sizes: sine and cosine of each harmonic; each may be half as large as the one before."""
-    return tuple(
-        Parameter(
-            f"{wave}{name}",
-            "Nm",
-            0.0,
-            250.0 * share,
-            5000.0 * share,
-            f"times {wave}{words} theta; range for a drive of 10 kNm",
-            signed=True,
-        )
-        for _, name, words, share in _ALL
-        for wave in ("sin", "cos")
-    )
+    """Return a size for each wave of `balancer_waves`; each harmonic may be half as large as the one before."""
+    found = []
+    for k in BALANCER_HARMONICS:
+        name, words, share = ("", "theta", 1.0) if k == 1 else (f"_{k}", f"{k} theta", 0.5 ** (k - 1))
+        for wave in ("sin", "cos"):
+            said = f"times {wave} {words}; range for a drive of 10 kNm"
+            found.append(Parameter(f"{wave}{name}", "Nm", 0.0, 250.0 * share, 5000.0 * share, said, signed=True))
+    return tuple(found)
 
 
 class SpringBalancer(OnDrive):
@@ -53,9 +46,7 @@ class SpringBalancer(OnDrive):
     parameters = _sizes()
     is_additive = True
     only_if_told = True
-    advice = (
-        "If the machine has a balancer, state its torque; if not, look for a counterweight, a cable or wrong masses."
-    )
+    advice = "If the machine has no balancer, look for a counterweight, a cable or masses that are far off."
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
         """Return the drives that turn; a slide's balancer is a constant force, which is an offset of its torque."""
@@ -77,7 +68,5 @@ class SpringBalancer(OnDrive):
 
 def _torque(values: Values, angle: Array) -> Array:
     """Return the torque on the link [Nm] at angles [rad], of the same shape."""
-    torque = np.zeros_like(angle)
-    for k, name, _, _ in _ALL:
-        torque -= values[f"sin{name}"] * np.sin(k * angle) + values[f"cos{name}"] * np.cos(k * angle)
-    return torque
+    sizes = np.array([values[size.name] for size in SpringBalancer.parameters])
+    return np.asarray(-balancer_waves(angle) @ sizes)
