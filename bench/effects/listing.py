@@ -30,6 +30,8 @@ def entry(effect: Effect, compiled: CompiledRobot | None = None) -> str:
     lines += ["", *([f"acts on   {where(effect, compiled)}"] if compiled else [])]
     if effect.needs:
         lines.append(f"needs     columns {', '.join(effect.needs)}")
+    if effect.only_if_told:
+        lines.append("needs     a first pass over moving data that has it: nothing else looks for it")
     lines += textwrap.wrap(f"source    {effect.source}", WIDTH, subsequent_indent=" " * 10)
     variants: dict[tuple[Parameter, ...], list[str]] = {}
     for place in effect.places(compiled) if compiled else ():

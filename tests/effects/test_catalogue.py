@@ -118,6 +118,7 @@ def test_listing_names_everything(hh150_compiled: CompiledRobot) -> None:
         assert effect.family.upper() in text
         whole = entry(effect, hh150_compiled)
         assert all(parameter.name in whole for parameter in effect.parameters)
+        assert ("first pass" in whole) == effect.only_if_told
 
 
 def test_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
