@@ -86,8 +86,11 @@ class Lab:
         return compile_robot(self.robot())
 
     def places(self, effect: Effect, compiled: CompiledRobot) -> tuple[Place, ...]:
-        """Return where an effect can act in a campaign of this lab, in a channel or from a run on among others."""
-        return effect.places_in(compiled, _recorded(self))
+        """Return where an effect can act in a campaign of this lab, in a channel or from a run on among others.
+
+        A study makes no first pass: what is looked for only where one has it has no place there.
+        """
+        return () if effect.only_if_told else effect.places_in(compiled, _recorded(self))
 
     def hide(self, acting: tuple[Acting, ...], rng: np.random.Generator, gives: bool = False) -> Hidden:
         """Make a campaign in which some effects act: half the step, Student's t, background errors, warm-up.

@@ -145,15 +145,10 @@ def twins_of(compiled: CompiledRobot) -> tuple[Twin, ...]:
 
 
 def singles_of(compiled: CompiledRobot, lab: Lab) -> tuple[str, ...]:
-    """Return the effects of the catalogue that can act on a robot in a lab and be seen with its channels.
-
-    A study makes no first pass, so what is looked for only where one has it is left out.
-    """
+    """Return the effects of the catalogue that can act on a robot in a lab and be seen with its channels."""
     channels = {*USUAL, *lab.channels, *type(compiled.robot.figures.instruments).model_fields}
     return tuple(
-        name
-        for name, effect in catalogue().items()
-        if lab.places(effect, compiled) and set(effect.needs) <= channels and not effect.only_if_told
+        name for name, effect in catalogue().items() if lab.places(effect, compiled) and set(effect.needs) <= channels
     )
 
 

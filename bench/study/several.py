@@ -30,7 +30,7 @@ from bench.record.joined import joined
 from bench.study import changes
 from bench.study.blind import diagnose_with
 from bench.study.carried_out import carried_out
-from bench.study.labs import Setup
+from bench.study.labs import Lab, Setup
 from bench.study.line import JsonLine
 from bench.study.machines import Kind, Machine, MachineTrial, machine_of
 from bench.study.outcome import Name
@@ -64,7 +64,11 @@ class SeveralSettings(SetupSettings):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        known = tuple(catalogue_in(self.world, catalogue()))
+        if not self.effects:
+            return
+        lab = Lab(self.session)
+        compiled, there = lab.compiled(), catalogue_in(self.world, catalogue())
+        known = tuple(name for name, effect in there.items() if lab.places(effect, compiled))
         if unknown := unknown_names("effect that can act there", self.effects, known):
             raise InputError(unknown)
 

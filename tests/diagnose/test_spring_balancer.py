@@ -7,7 +7,9 @@ import pytest
 
 from bench.diagnose.diagnose import diagnose
 from bench.diagnose.linearise.candidates import causes_of
+from bench.diagnose.name.beginning import told_by
 from bench.effects.catalogue import LEFT_OUT, catalogue
+from bench.identify.dynamics.equations import BALANCER
 from bench.identify.dynamics.first_pass import first_pass
 from bench.record.campaign import Array, Campaign, Run
 from bench.report.diagnosis.write import write_diagnosis
@@ -75,6 +77,8 @@ def test_a_first_pass_has_one_however_strong_it_is(compiled: CompiledRobot, stro
     """Of a strong one all that a drive missed was explained, which counted less than most of it: it was refused."""
     first = first_pass(campaign(np.random.default_rng(3), stronger), nominal_dynamics(compiled))
     assert first.has["balancer"] == (1,)
+    sine, cosine = (first.parameters[first.layout.of_drives(name)][1] for name in BALANCER[:2])
+    assert told_by(first)["spring_balancer", 1] == pytest.approx(np.hypot(sine, cosine))  # its sine is below zero
 
 
 def test_without_one_nobody_looks_for_it(compiled: CompiledRobot) -> None:

@@ -103,6 +103,9 @@ def test_what_cannot_be_hidden_in_a_world_is_refused_before_anything_is_made() -
     assert SeveralSettings(code="test", effects=("anchor",)).effects == ("anchor",)
     with pytest.raises(InputError, match="anchor"):
         SeveralSettings(code="test", effects=("anchor",), world="second")
+    for nowhere in ("coulomb_friction", "spring_balancer"):  # friction is stated; a study makes no first pass
+        with pytest.raises(InputError, match=nowhere):  # it was a ZeroDivisionError in the first machine
+            SeveralSettings(code="test", effects=(nowhere,))
 
 
 def test_worlds_in_which_no_machine_is_recorded_several_times_are_refused() -> None:

@@ -18,7 +18,7 @@ from bench.effects.friction_shape import LoadFriction
 from bench.effects.geometry import DressPack
 from bench.effects.lubricant import RollingFriction
 from bench.executor.contract import Executor
-from bench.identify.dynamics.equations import BALANCER
+from bench.identify.dynamics.equations import BALANCER, DRIVE_COLUMNS
 from bench.identify.dynamics.found import FirstPass
 
 # what a first pass has of a drive -> name of the effect
@@ -31,11 +31,14 @@ TOLD = {
 
 
 def told_by(first: FirstPass | None) -> dict[tuple[str, int], float]:
-    """Return what a first pass has beside what drawings leave out: effect and index of its drive -> largest size."""
+    """Return what a first pass has beside what drawings leave out: effect and index of its drive -> first size.
+
+    Of a balancer that is the amplitude of its first harmonic, for each of its sizes may have either sign.
+    """
     if first is None:
         return {}
-    layout, columns = first.layout, {name: (name,) for name in TOLD} | {"balancer": BALANCER}
-    sizes = {name: np.max([first.parameters[layout.of_drives(one)] for one in columns[name]], axis=0) for name in TOLD}
+    own = {name: first.parameters[first.layout.of_drives(name)] for name in DRIVE_COLUMNS}
+    sizes = own | {"balancer": np.hypot(*(own[name] for name in BALANCER[:2]))}
     return {(TOLD[name], j): float(sizes[name][j]) for name in TOLD for j in first.has[name]}
 
 

@@ -46,7 +46,7 @@ DRIVE_COLUMNS = (
     "presliding",
     "offset",
 )
-BALANCER = DRIVE_COLUMNS[7:13]  # a spring on a lever (`balancer.py`)
+BALANCER = tuple(name for name in DRIVE_COLUMNS if name.startswith("balancer"))  # a spring on a lever (`balancer.py`)
 # what a drive has where evidence and held-out errors want it
 OPTIONAL = ("viscous_difference", "rolling", "load", "spring", "balancer", "presliding")
 GAS_SHAPE = ("critical_length", "dead_centre", "rho", "b")  # of `Counterbalance`
