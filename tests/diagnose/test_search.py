@@ -9,7 +9,7 @@ from scipy.integrate import trapezoid
 from scipy.stats import multivariate_normal, norm
 
 from bench.diagnose.linearise.marginal import Nuisances
-from bench.diagnose.name.search import WINDOW, alternatives_of, exchanges, search
+from bench.diagnose.name.search import WINDOW, Subset, alternatives_of, exchanges, search
 from bench.diagnose.name.subset_posterior import SubsetPosterior, Term
 
 M, P = 40, 3
@@ -102,6 +102,20 @@ def test_two_causes_behind_one_that_looks_like_both_are_found() -> None:
     model = model_of(columns, white, np.zeros((M, 1)), (0.0,) * 3, prior=10.0)
     assert int(np.argmax(model.additions(()))) == 2
     assert search(model)[0].terms == (0, 1)
+
+
+def test_one_cause_that_looks_like_two_is_weighed_against_both() -> None:
+    """All drives were late, two showed it, and each of those two was named late by itself."""
+    rng = np.random.default_rng(5)
+    drives = np.linalg.qr(rng.standard_normal((M, 5)))[0]
+    columns = np.column_stack([drives, drives.sum(axis=1)])
+    white = drives @ np.array([2.0, 5.0, 5.0, 2.0, 2.0])
+    model = model_of(columns, white, np.zeros((M, 1)), (0.0,) * 6, prior=5.0)
+    two = Subset((1, 2), model.log_posterior((1, 2)))
+    one = next(other for other in exchanges(model, two) if other.terms == (5,))
+    assert one.log_posterior == pytest.approx(model.log_posterior((5,)))
+    assert one.log_posterior > two.log_posterior
+    assert all(other.terms != (5,) for other in exchanges(model, two, always=(1,)))
 
 
 def test_shapes_of_one_cause_exclude_each_other_and_count_together(

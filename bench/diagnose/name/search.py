@@ -6,6 +6,7 @@ Adding a cause after cause loses the smaller of two effects behind a dominant on
 import heapq
 from collections.abc import Collection, Hashable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from scipy.special import logsumexp
@@ -86,7 +87,10 @@ def search(
 
 
 def exchanges(model: SubsetPosterior, subset: Subset, always: tuple[int, ...] = ()) -> list[Subset]:
-    """Return every subset in which another listed term stands in the place of one, up to `WINDOW` behind it.
+    """Return every subset in which another listed term stands in the place of one or two, up to `WINDOW` behind it.
+
+    One cause may look like two: all drives that are late like the two whose torques show it most. A search does not
+    get from there to the one, for with either of the two gone and the one in its place, the other is in the way.
 
     Args:
         model: What may be exchanged for what.
@@ -94,11 +98,12 @@ def exchanges(model: SubsetPosterior, subset: Subset, always: tuple[int, ...] = 
         always: Terms that are not exchanged.
     """
     found = []
-    for gone in sorted(set(subset.terms) - set(always)):
-        rest = tuple(i for i in subset.terms if i != gone)
+    free = sorted(set(subset.terms) - set(always))
+    for gone in (*combinations(free, 1), *combinations(free, 2)):
+        rest = tuple(i for i in subset.terms if i not in gone)
         value = model.log_posterior(rest) + model.additions(rest)
         for i in np.flatnonzero(value > subset.log_posterior - WINDOW):
-            if i != gone and model.terms[i].is_listed:
+            if i not in gone and model.terms[i].is_listed:
                 terms = tuple(sorted((*rest, int(i))))
                 found.append(Subset(terms, model.log_posterior(terms)))
     return [subset for subset in found if subset.log_posterior > -np.inf]
