@@ -20,7 +20,14 @@ from bench.effects.gas import (
 )
 from bench.effects.gear_kinematics import AxisCoupling, TransmissionError, WristCoupling
 from bench.effects.geometry import DressPack, FloorTilt, JointZero, LinkLength, ThermalGrowth
-from bench.effects.lubricant import FrictionTemperature, RollingFriction, RollingLevel, Viscous, ViscousFriction
+from bench.effects.lubricant import (
+    FrictionTemperature,
+    FrictionWarming,
+    RollingFriction,
+    RollingLevel,
+    Viscous,
+    ViscousFriction,
+)
 from bench.effects.masses import LinkCom, LinkInertia, LinkMass, RotorInertia, TorqueOffset
 from bench.effects.own import faults_of, guarded, line_in
 from bench.effects.payloads import PayloadCom, PayloadMass, UnstatedPayload
@@ -73,6 +80,7 @@ BUILT_IN: tuple[type[Effect], ...] = (
     DirectionFriction,
     DirectionViscous,
     FrictionTemperature,
+    FrictionWarming,
     FrictionSide,
     FrictionRipple,
     # transmission

@@ -59,6 +59,7 @@ class Place:
         name: Of the joint or body in the MJCF, of the channel or of the run.
         since: Name of the run with which it sets in; "": with the first.
         since_s: When that run begins, from the start of the campaign [s].
+        about_s: Of what changes all the while, when it is what the model says, from the start of the campaign [s].
         runs: Names of the only runs in which it acts; empty: in all.
         recording: Name of the only recording in which it acts; None: in all. Whoever simulates sees to that.
     """
@@ -68,6 +69,7 @@ class Place:
     name: str = ""
     since: str = ""
     since_s: float = -np.inf
+    about_s: float = 0.0
     runs: tuple[str, ...] = ()
     recording: str | None = None
 

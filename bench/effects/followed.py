@@ -22,6 +22,7 @@ class Followed:
             was approached; -1 in motion.
         first: Shape (T,), index of the first instant of the same visit or stretch of motion.
         gear_k: Shape (T, n) [K], of the gearboxes.
+        since_start: Shape (T,) [s], from the start of the campaign, in the middle of what conditions hold for.
         waves: Returns the mean of exp(2 pi i x / period) over what each instant averages, shape (T,), of a period [rad]
             or [m] and the index of a drive at x; None: that of its q, for nothing is averaged.
     """
@@ -32,6 +33,7 @@ class Followed:
     visit: NDArray[np.intp]
     first: NDArray[np.intp]
     gear_k: Array
+    since_start: Array
     waves: Callable[[float, int], NDArray[np.complex128]] | None = None
 
     def wave(self, period: float, drive: int) -> NDArray[np.complex128]:

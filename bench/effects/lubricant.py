@@ -1,14 +1,14 @@
 """Friction that its lubricant makes: it grows with speed, in proportion or less, and falls with temperature."""
 
+from collections.abc import Hashable
 from dataclasses import replace
-from math import exp
 
 import mujoco
 import numpy as np
 
 from bench.actuators.laws import ROLLING_POWER
 from bench.effects.conditions import REFERENCE_K, Conditions
-from bench.effects.effect import Parameter, Place, Values
+from bench.effects.effect import Array, Parameter, Place, Values
 from bench.effects.followed import Followed, Torques
 from bench.effects.friction import (
     ALL_OF_A_DRIVE,
@@ -21,10 +21,15 @@ from bench.effects.friction import (
 )
 from bench.effects.friction_elements import give_side, rolling, scale_coulomb, scale_rolling
 from bench.effects.places import drive_of, drives
+from bench.effects.recorded import Recorded
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
+from bench.simulate.instruments import HOUR
 
 PALMGREN = "Palmgren, Ball and roller bearing engineering, 1959: M_0 ~ (nu n)^(2/3) (the SKF model has the power 0.6)"
+
+STEP_S = 60.0  # effort: [s], within which friction that falls has one model; at 1/h it falls by less than 2 %
+LEAST_TIMES = 3  # derived: a fall over time is told from any other difference by a third time at least
 
 
 class Viscous(OnFriction):
@@ -149,7 +154,45 @@ class RollingFriction(WithCoulomb):
         return _rolls(place, followed, values["rolling"])
 
 
-class FrictionTemperature(OnFriction):
+class _Falling(OnFriction):
+    """All friction of a drive is a share of what the model says, another one at other times of a campaign."""
+
+    def _rise(self, place: Place, values: Values, gear_k: Array, since_start: Array) -> Array:
+        """Return the logarithm of that share, shape (T,).
+
+        Args:
+            place: A drive.
+            values: Parameters.
+            gear_k: Shape (T,) [K], of its gearbox.
+            since_start: Shape (T,) [s], from the start of the campaign.
+        """
+        raise NotImplementedError
+
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        rich = {place.index for place in (*with_coulomb(compiled), *with_rolling(compiled))}
+        coefficient = viscous(compiled)
+        return tuple(place for place in drives(compiled) if place.index in rich or coefficient[place.index] > 0)
+
+    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
+        now = np.array([conditions.gear_k[place.index]]), np.array([conditions.time_s])
+        factor = float(np.exp(self._rise(place, values, *now)[0]))
+
+        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
+            drive = drive_of(robot, place)
+            scale_coulomb(spec, drive, factor)
+            scale_viscous(spec, drive.rotor, factor)
+            scale_rolling(spec, drive, factor)
+
+        return change if factor != 1 else None
+
+    def torques(self, place: Place, values: Values, followed: Followed) -> Torques | None:
+        share = np.expm1(self._rise(place, values, followed.gear_k[:, place.index], followed.since_start))
+        coulomb = scaled_friction(place, followed, share, share)
+        viscous_part = _drag(place, followed, float(viscous(followed.compiled)[place.index]))
+        return Torques(coulomb.motor + share * viscous_part.motor, coulomb.link) if coulomb else None
+
+
+class FrictionTemperature(_Falling):
     """Friction falls as the gearbox warms up."""
 
     name = "friction_temperature"
@@ -163,27 +206,48 @@ class FrictionTemperature(OnFriction):
     needs = ("gear_temperature",)
     depends_on_conditions = True
 
-    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
-        rich = {place.index for place in (*with_coulomb(compiled), *with_rolling(compiled))}
-        coefficient = viscous(compiled)
-        return tuple(place for place in drives(compiled) if place.index in rich or coefficient[place.index] > 0)
+    def _rise(self, place: Place, values: Values, gear_k: Array, since_start: Array) -> Array:
+        return -values["decrease"] * (gear_k - REFERENCE_K)
 
-    def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
-        factor = exp(-values["decrease"] * float(conditions.gear_k[place.index] - REFERENCE_K))
 
-        def change(spec: mujoco.MjSpec, robot: Robot) -> None:
-            drive = drive_of(robot, place)
-            scale_coulomb(spec, drive, factor)
-            scale_viscous(spec, drive.rotor, factor)
-            scale_rolling(spec, drive, factor)
+class FrictionWarming(_Falling):
+    """Friction falls as the drive warms up, and no thermometer shows it."""
 
-        return change if factor != 1 else None
+    name = "friction_warming"
+    level = "run"
+    title = "friction that falls during the session"
+    physics = (
+        "A drive warms up as it works, and its lubricant becomes thinner: Coulomb, viscous and rolling friction are "
+        "exp(-r (t - t_m)) of what they are in the middle t_m of its motion. Where gear temperatures are recorded, "
+        "friction_temperature is looked for in its place."
+    )
+    source = f"{BITTENCOURT} (friction over temperature); range: 10 to 60 % in an hour, either way, assumed"
+    advice = "warm up for half an hour before you record, or record the temperatures of the gears"
+    parameters = (Parameter("rate", "1/h", 0.0, 0.1, 1.0, "r, relative decrease per hour", signed=True),)
 
-    def torques(self, place: Place, values: Values, followed: Followed) -> Torques | None:
-        share = np.expm1(-values["decrease"] * (followed.gear_k[:, place.index] - REFERENCE_K))
-        coulomb = scaled_friction(place, followed, share, share)
-        viscous_part = _drag(place, followed, float(viscous(followed.compiled)[place.index]))
-        return Torques(coulomb.motor + share * viscous_part.motor, coulomb.link) if coulomb else None
+    def places_in(self, compiled: CompiledRobot, recorded: Recorded) -> tuple[Place, ...]:
+        """Return the drives that move at three different times at least: two tell that they differ, not since when."""
+        if any(name.startswith("gear_temperature") for name in recorded.columns):
+            return ()
+        found = []
+        for place in self.places(compiled):
+            runs = [run for run in recorded.runs if place.index in run.moving]
+            if len({k for run in runs for k in range(_step(run.start_s), _step(run.end_s) + 1)}) >= LEAST_TIMES:
+                found.append(replace(place, about_s=(runs[0].start_s + runs[-1].end_s) / 2))
+        return tuple(found)
+
+    def phase(self, place: Place, conditions: Conditions) -> Hashable:
+        """Return the step of time."""
+        return _step(conditions.time_s)
+
+    def _rise(self, place: Place, values: Values, gear_k: Array, since_start: Array) -> Array:
+        step = np.round(since_start / STEP_S)
+        return -values["rate"] * (STEP_S * step - place.about_s) / HOUR
+
+
+def _step(time_s: float) -> int:
+    """Return the step of time in which friction is one level."""
+    return int(np.round(time_s / STEP_S))
 
 
 def _drag(place: Place, followed: Followed, coefficient: float) -> Torques:

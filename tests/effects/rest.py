@@ -47,7 +47,7 @@ def recorded_on(compiled: CompiledRobot) -> Recorded:
             "down", 81.0, 90.0, frozenset(columns), is_static=False, hangs=False, payload_kg=20.0, moving=moving
         ),
         RecordedRun(
-            "late", 3000.0, 3010.0, frozenset(columns), is_static=False, hangs=False, payload_kg=0.0, moving=moving
+            "late", 3000.0, 3130.0, frozenset(columns), is_static=False, hangs=False, payload_kg=0.0, moving=moving
         ),
     ]
     return Recorded(tuple(runs))

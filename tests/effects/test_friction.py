@@ -1,5 +1,7 @@
 """Effects of drive friction: torques of the friction elements in sliding, against their closed forms."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pytest
@@ -9,11 +11,12 @@ from bench.effects.friction_elements import coulomb, set_coulomb
 from bench.effects.lubricant import viscous
 from bench.effects.nominal import nominal_parameters
 from bench.effects.places import drive_of, torque_limit
+from bench.effects.recorded import Recorded
 from bench.errors import RobotError
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.edits import friction_on
 from bench.robot.folder import Robot
-from tests.effects.rest import CATALOGUE, edit_of, sweep
+from tests.effects.rest import CATALOGUE, edit_of, recorded_on, sweep
 from tests.small_robot import FRICTION
 
 START = np.array([0.1, -0.2])
@@ -238,6 +241,36 @@ def test_temperature(hh150: Robot, hh150_compiled: CompiledRobot) -> None:
     np.testing.assert_allclose(changed.model.dof_damping[at], factor * hh150_compiled.model.dof_damping[at])
     rolls = edit_of("rolling_friction", hh150_compiled, {"rolling": 300.0}, 1)
     np.testing.assert_allclose(compile_robot(hh150, [rolls, edit]).motor_rolling, [0, 300.0 * factor[1], 0, 0, 0, 0])
+
+
+def test_friction_falls_over_the_time_that_a_drive_moves(hh150: Robot, hh150_compiled: CompiledRobot) -> None:
+    effect, n = CATALOGUE["friction_warming"], hh150_compiled.n_joints
+    moving = recorded_on(hh150_compiled)  # from 70 to 3130 s
+    place = effect.places_in(hh150_compiled, moving)[1]
+    assert place.about_s == 1600.0
+
+    def robot_at(time_s: float) -> CompiledRobot:
+        conditions = replace(Conditions.reference(n), time_s=time_s)
+        edit = effect.edit(place, {"rate": 0.3}, conditions)
+        return compile_robot(hh150, [edit] if edit else [])
+
+    for time_s, hours in ((1620.0, 20 / 3600), (3600.0, 2000 / 3600), (0.0, -1600 / 3600)):
+        factor = np.ones(n)
+        factor[1] = np.exp(-0.3 * hours)
+        changed = robot_at(time_s)
+        np.testing.assert_allclose(changed.motor_coulomb, factor * hh150_compiled.motor_coulomb)
+        at = hh150_compiled.at.q_dof
+        np.testing.assert_allclose(changed.model.dof_damping[at], factor * hh150_compiled.model.dof_damping[at])
+
+
+def test_a_fall_is_looked_for_where_three_times_tell_it_and_no_thermometer(hh150_compiled: CompiledRobot) -> None:
+    effect, every = CATALOGUE["friction_warming"], recorded_on(hh150_compiled)
+    hung, up, _, late = every.runs
+    assert len(effect.places_in(hh150_compiled, every)) == hh150_compiled.n_joints
+    short = replace(late, end_s=late.start_s + 10)
+    assert not effect.places_in(hh150_compiled, Recorded((hung, up, short)))
+    warm = replace(up, columns=up.columns | {"gear_temperature_1_k"})
+    assert not effect.places_in(hh150_compiled, Recorded((hung, warm, late)))
 
 
 def test_friction_where_the_model_has_none(small: Robot) -> None:

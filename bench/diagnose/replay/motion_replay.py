@@ -138,6 +138,7 @@ class MotionReplay:
                 visit=np.repeat(visits, lengths),
                 first=np.repeat(starts, lengths),
                 gear_k=at_each_instant(segments, [segment.conditions.gear_k for segment in segments]),
+                since_start=at_each_instant(segments, [segment.conditions.time_s for segment in segments]),
                 waves=partial(_waves, segments),
             )
             found.append((course, followed))

@@ -107,7 +107,8 @@ def warming_notes(warming: Warming | None) -> Iterator[str]:
     yield (
         "Friction falls from run to run, as of drives that warm up; least squares has one friction for all. From "
         f"{warming.runs[0]!r} to {warming.runs[-1]!r} it falls by {shares}. A warmer or colder recording is missed by "
-        "as much: warm up first. With temperatures of the gears in the log (gear_temperature_i_k) a diagnosis tells it."
+        "as much: warm up first. A diagnosis looks for it; temperatures of the gears in the log (gear_temperature_i_k) "
+        "tell it best."
     )
 
 
