@@ -86,8 +86,11 @@ def moment_on_base(figures: Figures, at: Frames, wrench: Array) -> Array:
     return moment + wrench[:, 3:] + np.cross(at.point(figures.load), wrench[:, :3])
 
 
-def inertia_torque(figures: Figures, q: Array, velocity: Array, acceleration: Array) -> Array:
-    """Return what accelerating the links takes, without gravity, shape (T, n) [Nm]; by Pinocchio, where they move."""
+def inertia_torque(figures: Figures, q: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array]:
+    """Return what accelerating the links takes of the drives, without gravity, and how they push the foot meanwhile.
+
+    By Pinocchio, where they move: torques, shape (T, n) [Nm], and moments about the foot, shape (T, 3) [Nm].
+    """
     model = pin.Model()
     model.gravity = pin.Motion.Zero()
     for j in range(figures.n):
@@ -98,7 +101,8 @@ def inertia_torque(figures: Figures, q: Array, velocity: Array, acceleration: Ar
         inertia = pin.Inertia(lump.mass, np.array(lump.com), np.array(lump.inertia))
         model.appendBodyToJoint(lump.joint + 1, inertia, pin.SE3.Identity())
     data = model.createData()
-    torque = np.zeros_like(q)
+    torque, moment = np.zeros_like(q), np.zeros((len(q), 3))
     for t in np.flatnonzero(np.any(velocity != 0, axis=1) | np.any(acceleration != 0, axis=1)):
         torque[t] = pin.rnea(model, data, q[t], velocity[t], acceleration[t])
-    return torque
+        moment[t] = -sum(data.oMi[i].act(data.f[i]).angular for i in range(1, model.njoints) if not model.parents[i])
+    return torque, moment

@@ -81,10 +81,10 @@ def follow(figures: Figures, course: Course, chance: Chance) -> State:
     wanted = course.command - figures.readout.zero + early * course.velocity
     velocity = course.velocity + early * course.acceleration
     acceleration = course.acceleration + early * course.jerk
-    inertia = np.zeros_like(wanted)
+    inertia, pushes = np.zeros_like(wanted), np.zeros((len(wanted), 3))
     for mass in np.unique(course.payload):
         rows = course.payload == mass
-        inertia[rows] = inertia_torque(
+        inertia[rows], pushes[rows] = inertia_torque(
             figures.with_payload(float(mass)), wanted[rows], velocity[rows], acceleration[rows]
         )
     rotors = figures.rotor_inertia * acceleration + figures.viscous * velocity
@@ -93,7 +93,7 @@ def follow(figures: Figures, course: Course, chance: Chance) -> State:
     q, theta, spring = wanted.copy(), wanted.copy(), np.zeros_like(wanted)
     on_motor, on_link = np.zeros_like(wanted), np.zeros_like(wanted)
     for _ in range(ROUNDS):
-        at, lean, asked = _asked(figures, course, theta)
+        at, lean, asked = _asked(figures, course, theta, pushes)
         asked += inertia
         before = theta.copy()
         motor = _elements(figures.motor, q, velocity, spring, chance.motor)
@@ -126,8 +126,15 @@ def follow(figures: Figures, course: Course, chance: Chance) -> State:
     )
 
 
-def _asked(figures: Figures, course: Course, theta: Array) -> tuple[Frames, Array, Array]:
-    """Return frames, lean of the base, shape (T, 3) [rad], and what rest asks of spring and friction, (T, n) [Nm]."""
+def _asked(figures: Figures, course: Course, theta: Array, pushes: Array) -> tuple[Frames, Array, Array]:
+    """Return frames, lean of the base, shape (T, 3) [rad], and what rest asks of spring and friction, (T, n) [Nm].
+
+    Args:
+        figures: The arm.
+        course: What it does.
+        theta: Shape (T, n) [rad], of the links.
+        pushes: Shape (T, 3) [Nm], moments about the foot by which links push it that are accelerated.
+    """
     at = frames(figures, theta)
     lean, asked = np.zeros((len(theta), 3)), np.empty_like(theta)
     for mass in np.unique(course.payload):
@@ -135,7 +142,7 @@ def _asked(figures: Figures, course: Course, theta: Array) -> tuple[Frames, Arra
         arm, here = figures.with_payload(float(mass)), Frames(at.origin[rows], at.axes[rows])
         wrench = (1 + figures.hung_change) * course.wrench[rows]
         if figures.base_compliance:
-            moment = moment_on_base(arm, here, wrench)
+            moment = moment_on_base(arm, here, wrench) + pushes[rows]
             lean[rows, :2] = figures.base_compliance * moment[:, :2]
         turned = wrench.copy()
         for part in (slice(0, 3), slice(3, 6)):
