@@ -104,5 +104,5 @@ def inertia_torque(figures: Figures, q: Array, velocity: Array, acceleration: Ar
     torque, moment = np.zeros_like(q), np.zeros((len(q), 3))
     for t in np.flatnonzero(np.any(velocity != 0, axis=1) | np.any(acceleration != 0, axis=1)):
         torque[t] = pin.rnea(model, data, q[t], velocity[t], acceleration[t])
-        moment[t] = -sum(data.oMi[i].act(data.f[i]).angular for i in range(1, model.njoints) if not model.parents[i])
+        moment[t] = -sum(data.liMi[i].act(data.f[i]).angular for i in range(1, model.njoints) if not model.parents[i])
     return torque, moment

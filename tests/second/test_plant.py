@@ -29,7 +29,6 @@ LAB = Lab(without=("line", "dwell", "repeat_at_end"))
 IN_MOTION = 2e-3  # of a drive's largest current, where it moves: bins of the replay are 40 ms wide
 SAG = 1e-2  # of a loss of gas: joint 2 sags by 5e-4 rad, the cylinder by 0.1 mm of the 130 mm that are left for gas
 ALIKE = 1e-2  # of the largest change of a channel: small rotations are to first order, and places differ by 0.1 mm
-WHERE_IT_TURNS = 6e-2  # of the largest change: readings are means over bins, in which accelerations change
 DELAY_S = 4e-3  # a control period
 ROUNDING = 1e-9  # [m, A, N, Nm]
 AT_REST = 1e-4  # [m]; presliding on a link is not resolved by a replay that starts 2 degrees away
@@ -189,12 +188,9 @@ def test_both_plants_rock_on_a_soft_base_alike(compiled: CompiledRobot) -> None:
     told = replay.predict(Hypothesis(acting=(acting,))) - replay.predict(NOMINAL)
     read = np.concatenate([segment.observed for segment in segments_of(after, compiled, quantities, 400)])
     read -= np.concatenate([segment.observed for segment in replay.segments])
-    static = np.concatenate([np.full(len(segment), segment.is_static) for segment in replay.segments])
     for c, quantity in enumerate(quantities):
         if quantity.column.startswith("reflector"):
-            differs, size = np.abs(read[:, c] - told[:, c]), np.nanmax(np.abs(told[:, c]))
-            assert np.nanmax(differs[static]) < ALIKE * size
-            assert np.nanmax(differs[~static]) < WHERE_IT_TURNS * size  # without links that push, 0.16
+            assert np.nanmax(np.abs(read[:, c] - told[:, c])) < ALIKE * np.nanmax(np.abs(told[:, c]))
 
 
 def test_a_channel_of_another_scale_reads_so_many_times_more(compiled: CompiledRobot, quiet: Second) -> None:
