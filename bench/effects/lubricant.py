@@ -222,7 +222,10 @@ class FrictionWarming(_Falling):
         "friction_temperature is looked for in its place."
     )
     source = f"{BITTENCOURT} (friction over temperature); range: 10 to 60 % in an hour, either way, assumed"
-    advice = "warm up for half an hour before you record, or record the temperatures of the gears"
+    advice = (
+        "warm up for half an hour before you record, or record the temperatures of the gears; the rate is by the "
+        "`start_s` of the runs in campaign.yaml"
+    )
     parameters = (Parameter("rate", "1/h", 0.0, 0.1, 1.0, "r, relative decrease per hour", signed=True),)
 
     def places_in(self, compiled: CompiledRobot, recorded: Recorded) -> tuple[Place, ...]:
