@@ -145,7 +145,7 @@ def find_changes(background: Background, profiles: Sequence[Profile], rate: floa
     chosen = tuple(possible[i] for i in order[:MOST_TERMS])
     model = _model(courses, chosen, len(every))
     visited = search(model)
-    subsets = {subset.terms: subset for subset in (*visited, *exchanges(model, visited[0]))}
+    subsets = {subset.terms: subset for subset in (*visited, *exchanges(model, visited[0], most=2))}
     alternatives = tuple(alternatives_of(model, subsets.values()))
     return Found(
         model, chosen, alternatives, _probabilities(alternatives), _shape(model, alternatives), tuple(screened)

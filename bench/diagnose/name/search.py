@@ -6,7 +6,7 @@ Adding a cause after cause loses the smaller of two effects behind a dominant on
 import heapq
 from collections.abc import Collection, Hashable, Iterable, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import chain, combinations
 
 import numpy as np
 from scipy.special import logsumexp
@@ -86,8 +86,8 @@ def search(
     return sorted(found, key=lambda subset: -subset.log_posterior)
 
 
-def exchanges(model: SubsetPosterior, subset: Subset, always: tuple[int, ...] = ()) -> list[Subset]:
-    """Return every subset in which another listed term stands in the place of one or two, up to `WINDOW` behind it.
+def exchanges(model: SubsetPosterior, subset: Subset, always: tuple[int, ...] = (), most: int = 1) -> list[Subset]:
+    """Return every subset in which another listed term stands in the place of one or more, up to `WINDOW` behind it.
 
     One cause may look like two: all drives that are late like the two whose torques show it most. A search does not
     get from there to the one, for with either of the two gone and the one in its place, the other is in the way.
@@ -96,13 +96,15 @@ def exchanges(model: SubsetPosterior, subset: Subset, always: tuple[int, ...] = 
         model: What may be exchanged for what.
         subset: The best one.
         always: Terms that are not exchanged.
+        most: In the place of how many; what stands in the place of several has to be worth something beside the rest.
     """
     found = []
     free = sorted(set(subset.terms) - set(always))
-    for gone in (*combinations(free, 1), *combinations(free, 2)):
+    for gone in chain.from_iterable(combinations(free, count) for count in range(1, most + 1)):
         rest = tuple(i for i in subset.terms if i not in gone)
-        value = model.log_posterior(rest) + model.additions(rest)
-        for i in np.flatnonzero(value > subset.log_posterior - WINDOW):
+        without, rise = model.log_posterior(rest), model.additions(rest)
+        least = subset.log_posterior - WINDOW
+        for i in np.flatnonzero(without + rise > (least if len(gone) == 1 else max(least, without))):
             if i not in gone and model.terms[i].is_listed:
                 terms = tuple(sorted((*rest, int(i))))
                 found.append(Subset(terms, model.log_posterior(terms)))

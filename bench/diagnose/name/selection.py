@@ -210,9 +210,9 @@ class _Selection:
         self.progress(f"searching beside {len(self.best.keys)} findings" if self.best.keys else "searching")
         refused = self.refusals.barred(self.best.keys) | self.refusals.shapes
         about = search_space(self.linear, self.tried, self.screening.threshold, self.best, refused)
-        most = None if adds else len(about.present)
-        visited = search(about.model, [about.present], about.shape, most=most)
-        subsets = {one.terms: one for one in (*visited, *exchanges(about.model, visited[0], about.shape))}
+        largest, most = None if adds else len(about.present), 2 if is_last else 1
+        visited = search(about.model, [about.present], about.shape, most=largest)
+        subsets = {one.terms: one for one in (*visited, *exchanges(about.model, visited[0], about.shape, most))}
         found = alternatives_of(about.model, subsets.values())
         self.promising = tuple(cause for i in found[0].best.terms if (cause := about.cause(i)))
         self.causes = {cause.key: cause for cause in map(about.cause, range(len(about.what))) if cause}
