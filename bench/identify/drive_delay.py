@@ -14,9 +14,9 @@ CLEARLY_MOVING = 0.1  # of the top speed (assumed; friction that turns within 0.
 
 
 def sliding(motion: Motion) -> Array:
-    """Return 1 where a drive moves clearly, 0 where it turns round, shape (T, n)."""
+    """Return 1 where a drive moves clearly, 0 where it turns round or rests, shape (T, n); all 1 if it never moves."""
     speed = np.abs(motion.velocity)
-    return np.where(speed > CLEARLY_MOVING * np.max(speed, axis=0), 1.0, 0.0)
+    return np.where(speed >= CLEARLY_MOVING * np.max(speed, axis=0), 1.0, 0.0)
 
 
 def delay_of(

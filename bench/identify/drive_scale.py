@@ -89,13 +89,14 @@ def drive_scale(
     along = LinksAlong.of(nominal, motion)
     columns, errors = model_columns(nominal, along)[read], arm_errors(nominal, along)[read]
     heaviest = nominal.payload
-    fit = drive_fit(columns, errors, reading, best_payload(columns, reading, heaviest), heaviest)
-    delay, delay_sigma = delay_of(time, reading, columns, errors, fit, sliding(motion)[:, read])
+    slides = sliding(motion)[:, read]
+    fit = drive_fit(columns, errors, reading, best_payload(columns, reading, heaviest), heaviest, slides)
+    delay, delay_sigma = delay_of(time, reading, columns, errors, fit, slides)
     reading = shifted(time, reading, delay)
-    fit = drive_fit(columns, errors, reading, fit.payload, heaviest)
+    fit = drive_fit(columns, errors, reading, fit.payload, heaviest, slides)
     sigma = fit.sigma
     if fit.payload > (1 - AT_MOST) * heaviest > 0:  # it wants to be heavier; then factors would be other ones
-        freely = drive_fit(columns, errors, reading, fit.payload, FREELY * heaviest)
+        freely = drive_fit(columns, errors, reading, fit.payload, FREELY * heaviest, slides)
         sigma = np.hypot(sigma, np.abs(np.log(np.abs(freely.slope / fit.slope))))
     if angle_sigma is not None:
         sigma = np.hypot(sigma, _of_angles(nominal, along, reading, angle_sigma, read))

@@ -158,7 +158,7 @@ def test_names_that_are_not_known(tmp_path: Path, arm: NominalDynamics, position
     assert signs == list(np.sign(stranger.CONSTANT))
 
 
-@pytest.mark.parametrize("ratio", [1.0, 60.0])
+@pytest.mark.parametrize("ratio", [1.0, 1.6, 60.0])
 def test_what_is_called_a_torque_is_one_at_the_joint_or_behind_a_gear(tmp_path: Path, ratio: float) -> None:
     """Factors were off by up to nine to one where the file has a placeholder for its rotors, and none became a line."""
     guessed = started(tmp_path, stranger.mjcf(armature=5.0))
@@ -170,6 +170,9 @@ def test_what_is_called_a_torque_is_one_at_the_joint_or_behind_a_gear(tmp_path: 
     text = look(file, nominal=guessed).text
     form = proposed(tmp_path, text)
     if ratio == 1:
+        assert [form.columns[f"tau_motor_{j}_nm"].factor for j in (1, 2, 3)] == [1, 1, 1]
+        assert text.count("joint torque within") == 3
+    elif ratio < 2:  # no gear
         assert [form.columns[f"tau_motor_{j}_nm"].factor for j in (1, 2, 3)] == [1, 1, 1]
         assert "taken as torques at the joints" in text
         assert "Model by reading: j1" in text

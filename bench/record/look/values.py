@@ -168,8 +168,11 @@ def _alike(first: Array, second: Array) -> bool:
 
 
 def _roughness(time: Array, values: Array, clock: Array, slow: Array) -> float:
+    """Return the share of a column that is faster than its low-passed course; infinite where that is all edge."""
     fast = values - np.interp(time, clock, slow)
     inner = (time > clock[5]) & (time < clock[-5])
+    if not np.any(inner):
+        return np.inf
     return float(np.std(fast[inner]) / max(float(np.std(values[inner])), np.finfo(float).tiny))
 
 

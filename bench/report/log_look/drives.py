@@ -89,8 +89,12 @@ def drives(
     if any(line.side == "motor" and not line.was_estimated for line in slow.angles):
         remarks.append("torques and currents are as logged: nothing tells factors and signs before angles are known")
         return _unscaled(families)
-    every = [_held(family, slow, nominal, angle_sigma, remarks) for family in families]
-    named = [replace(h, family=named_by_constants(h.family, h.scale, nominal, remarks)) for h in every if h is not None]
+    tried = [_held(family, slow, nominal, angle_sigma, remarks) for family in families]
+    every = [one for one in tried if one is not None]
+    named = [one for one in every if one.family.kind != "unknown"]
+    if nameless := [one for one in every if one.family.kind == "unknown"]:
+        one = _measured(nameless, columns, remarks)
+        named.append(replace(one, family=named_by_constants(one.family, one.scale, nominal, remarks)))
     found: list[Line] = []
     turned: set[int] = set()
     questions: list[str] = []
@@ -157,15 +161,17 @@ def _moves(position: Array, nominal: NominalDynamics) -> Flags:
 def _measured(fitting: Sequence[_Held], columns: Mapping[str, Array], remarks: list[str]) -> _Held:
     """Return the family that was measured: of those without names the roughest, of those with names the best explained.
 
-    What is commanded or computed has no noise.
+    What is commanded or computed has no noise, but its last decimals: of a drive that needs hardly any torque they are
+    all there is, so the middle of the drives counts.
     """
 
     def rank(held: _Held) -> float:
         family = held.family
         if family.kind != "unknown":
             return 1 + float(np.mean(np.nan_to_num(held.scale.explained)))
-        step = [np.mean(np.abs(np.diff(columns[name], n=2))) / np.std(columns[name]) for name in family.sources]
-        return float(np.mean(step) / (1 + np.mean(step)))
+        moves = [columns[name] for name in family.sources if np.ptp(columns[name]) > 0]
+        step = float(np.median([np.mean(np.abs(np.diff(values, n=2))) / np.std(values) for values in moves]))
+        return step / (1 + step)
 
     best = max(fitting, key=rank)
     for held in fitting:

@@ -24,12 +24,20 @@ NINETY_NINE = 2.576  # exact: those that hold 99 %; six drives that are as state
 
 
 def named_by_constants(family: Family, scale: DriveScale, nominal: NominalDynamics, remarks: list[str]) -> Family:
-    """Return readings without a name as currents if their factors are the torque constants that the figures state."""
+    """Return readings without a name as currents if the figures state torque constants, and the log tells no others.
+
+    That one drive is off is said later, as of readings that are called currents.
+    """
     constants = nominal.stated_constant
-    is_open = family.kind == "unknown" and bool(np.all(np.isfinite(constants)))
-    if not is_open or _agree(scale, np.ones_like(constants)) or not _agree(scale, constants):
+    if family.kind != "unknown" or not np.all(np.isfinite(constants)) or _agree(scale, np.ones_like(constants)):
         return family
-    remarks.append(f"{family.shown}: taken as currents, for the torque constants of the figures fit them")
+    if not _is_sharp(scale):
+        why = "the figures state torque constants, and this log tells neither these nor others"
+    elif _is_near(scale, constants):
+        why = "the torque constants of the figures fit them"
+    else:
+        return family
+    remarks.append(f"{family.shown}: taken as currents, for {why}")
     return replace(family, kind="current")
 
 
@@ -155,11 +163,18 @@ def _is_of_joints(family: Family, scale: DriveScale, nominal: NominalDynamics) -
 
 def _agree(scale: DriveScale, expected: Array) -> bool:
     """Return whether factors are sharply told, in the mean near to what is expected, and no drive is surely off."""
-    off = np.log(np.abs(scale.factor) / expected)
-    is_sharp = NINETY * np.sum(scale.sigma**-2.0) ** -0.5 < NEAR_ONE
-    is_near = abs(_mean(off, scale)) < NEAR_ONE
-    is_off = np.abs(np.exp(-off) - 1) >= NINETY * scale.sigma
-    return bool(is_sharp and is_near and not np.any(is_off[scale.counts]))
+    is_off = np.abs(expected / np.abs(scale.factor) - 1) >= NINETY * scale.sigma
+    return _is_sharp(scale) and _is_near(scale, expected) and not np.any(is_off[scale.counts])
+
+
+def _is_sharp(scale: DriveScale) -> bool:
+    """Return whether a factor is told within `NEAR_ONE`; many do not tell more, for masses err for all drives alike."""
+    return bool(NINETY * np.min(scale.sigma) < NEAR_ONE)
+
+
+def _is_near(scale: DriveScale, expected: Array) -> bool:
+    """Return whether factors are in the mean near to what is expected."""
+    return abs(_mean(np.log(np.abs(scale.factor) / expected), scale)) < NEAR_ONE
 
 
 def _mean(values: Array, scale: DriveScale) -> float:
