@@ -33,7 +33,7 @@ PAYLOAD_KG = 4.0
 
 
 def says_nothing_anew(patch: pytest.MonkeyPatch) -> None:
-    """Leave out what may be anew: it takes most of the time of a prediction, and `test_worth_freeing.py` asks for it."""
+    """Leave out what may be anew: most of the time of a prediction, and `test_worth_freeing.py` asks for it."""
     patch.setattr("bench.predict.predict.worth_freeing", lambda *given: ())
 
 
