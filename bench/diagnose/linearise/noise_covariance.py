@@ -8,7 +8,6 @@ between the flanks. Dividing by scatter (whitening) makes all quantities compara
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -38,7 +37,6 @@ SLOWNESS = 5  # assumed: polynomials over the run that describe the slow change
 WALKS = 10
 CREEPS = 0.05  # assumed: of a gap, slowly, while other joints move
 STIRS = 0.02  # assumed: of a gap, anew at every instant
-MOST_LENGTHS = 64  # effort: of motions, of which that is kept, 0.1 MB each for 700 instants
 SAME_PLAY = 0.1  # rounding: relative; a change of play that changes hardly any scatter
 
 
@@ -237,12 +235,9 @@ def rest_friction(
     return spread * once, spread * lasting
 
 
-@lru_cache(maxsize=MOST_LENGTHS)
 def slow(length: int) -> Array:
     """Return how friction of a standing joint may change over a motion, shape (T, k), each with a deviation of one."""
     polynomials = legendre.legvander(np.linspace(-1, 1, length), SLOWNESS - 1)
     k = np.arange(SLOWNESS, min(SLOWNESS + WALKS, length))  # no more than there are instants
     walk = np.sqrt(2) / (np.pi * k) * np.cos(np.pi * k * (np.arange(length)[:, None] + 0.5) / length)
-    changes: Array = np.concatenate([polynomials, walk], axis=1, dtype=np.float64)
-    changes.flags.writeable = False  # it is kept for all motions as long
-    return changes
+    return np.concatenate([polynomials, walk], axis=1, dtype=np.float64)
