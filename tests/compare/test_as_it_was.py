@@ -47,7 +47,7 @@ def test_of_a_machine_nothing_is_left_on_another_day_but_what_drifts(tmp_path: P
 
 def test_the_gas_that_a_model_leaves_out_is_fitted(tmp_path: Path, rng: np.random.Generator) -> None:
     """Links and torque constants stood for it: 178 kg of an upper arm of 339, and half of what a payload changed by."""
-    write_kr300(tmp_path / "may.csv", rng, seconds=5.0)
+    write_kr300(tmp_path / "may.csv", rng, seconds=2.5)
     compiled = compile_robot(load_robot("kr300"))
     campaign = convert(tmp_path / "may.csv", log_format_of(compiled.robot), "kr300").campaign
     assert campaign

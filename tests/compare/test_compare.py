@@ -12,6 +12,7 @@ from bench.compare.recordings import recordings_of
 from bench.effects.catalogue import catalogue
 from bench.executor.watched import Stopped
 from bench.scenario.files import Experiment
+from bench.store.place import open_store
 from tests.diagnose.sweeps import SWEEP, SWEEPS, made, nominal
 
 # The machine is wrong all the while by what no uncertainty of its figures explains
@@ -40,7 +41,8 @@ def compared(
         if now == stop_at:
             raise Stopped("interrupted")
 
-    return compare(recordings, nominal(), catalogue(), progress=begin, most_bins=100, check=check)
+    robot = nominal()
+    return compare(recordings, robot, catalogue(), progress=begin, most_bins=100, store=open_store(), check=check)
 
 
 def test_a_machine_that_stayed_as_wrong_as_it_was_has_not_changed() -> None:

@@ -48,6 +48,11 @@ def both(plain: tuple[Campaign, Campaign]) -> Campaign:
     return joined(dict(zip("AB", plain, strict=True)))
 
 
+@pytest.fixture(scope="module")
+def of_both(both: Campaign) -> Diagnosis:
+    return diagnosed(both)
+
+
 def segments(campaign: Campaign, bins: int = BINS) -> tuple[Segment, ...]:
     return segments_of(campaign, compiled(), quantities_of(campaign.runs, compiled()), bins)
 
@@ -145,8 +150,8 @@ def test_what_belongs_to_a_recording_shows_there_alone_and_as_if_there_were_no_o
     }
 
 
-def test_an_encoder_that_is_zeroed_anew_is_no_scatter(both: Campaign) -> None:
-    diagnosis = diagnosed(both)
+def test_an_encoder_that_is_zeroed_anew_is_no_scatter(of_both: Diagnosis) -> None:
+    diagnosis = of_both
     assert diagnosis.verdict.kind == "nothing found"
     assert not diagnosis.verdict.noisy
     fitted = dict(zip(map(str, diagnosis.linear.nuisances), diagnosis.naming.null.nuisances, strict=True))
@@ -247,10 +252,9 @@ def test_one_recording_is_diagnosed_as_a_campaign_without_recordings() -> None:
     np.testing.assert_equal(one, other)
 
 
-def test_what_is_handed_over_is_the_machine_in_the_last_recording(both: Campaign, tmp_path: Path) -> None:
+def test_what_is_handed_over_is_the_machine_in_the_last_recording(of_both: Diagnosis, tmp_path: Path) -> None:
     """It predicts the last recording as the fit does; the table has what belongs to each of them."""
-    diagnosis = diagnosed(both)
-    fit, linear = diagnosis.naming.null, diagnosis.linear
+    fit, linear = of_both.naming.null, of_both.linear
     (tmp_path / "out").mkdir()
     handed = hand_over(linear, fit, tmp_path / "out" / "robot", tmp_path / "out" / "nominal.xml")
     assert handed.disagreement < AGREES

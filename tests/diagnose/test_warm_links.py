@@ -9,7 +9,8 @@ from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting
 from bench.hide.campaign import hide_campaign
 from bench.robot.folder import load_robot
-from bench.scenario.files import read_scenario
+from bench.scenario.files import read_as
+from bench.scenario.session import SessionScenario
 from tests.diagnose.sweeps import LOADS, made, nominal
 
 
@@ -18,7 +19,9 @@ def test_growth_is_named_though_neither_of_its_numbers_is_clear_by_itself() -> N
     effects, compiled = catalogue(), nominal()
     effect = effects["thermal_growth"]
     acting = Acting(effect, effect.places(compiled)[0], effect.complete({"expansion": 1.6e-5}))
-    session = read_scenario("session-study")
+    session = read_as(SessionScenario, "session-study")
+    few = tuple(sweep for sweep in session.rotations if sweep.joint in (2, 3))  # the tracker sees most of them
+    session = session.model_copy(update={"rotations": few})
     campaign = hide_campaign(load_robot("hh150"), session, [acting], np.random.default_rng(9900)).campaign
     choice = ("thermal_growth", "tracker_drift", "tracker_creep", "tracker_step", "link_length")
     best = diagnose(campaign, compiled, {name: effects[name] for name in choice}, proposes=False).naming.models[0].fit

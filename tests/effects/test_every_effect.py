@@ -1,6 +1,7 @@
 """What holds for every entry: null values change nothing, typical ones run, and the edited model can be saved."""
 
-from dataclasses import fields
+from dataclasses import dataclass, fields
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -12,14 +13,17 @@ from bench.effects.unlisted import unlisted
 from bench.robot.compiled import CompiledRobot, compile_robot, compile_spec, read_spec
 from bench.robot.edits import friction_on
 from bench.robot.folder import Robot
+from bench.simulate.instruments import Reading
 from bench.simulate.payload import bolt_on
 from bench.simulate.plant import Plant
+from bench.simulate.trace import Trace
 from tests.effects.rest import CATALOGUE, PERIOD, perfect_reading, places_of, some_trace, typical
 
 EVERYTHING = {**CATALOGUE, **unlisted()}
 EDITED = [name for name, effect in EVERYTHING.items() if type(effect).edit is not Effect.edit]
 PAYLOAD = 12.0  # [kg]
 SETTLED = 1e-6  # [rad/s]; of a robot that was put at rest
+SIDES = ("as-model", "none")  # of friction
 WARM = 15.0  # [K]
 LATER = 3600.0  # [s], after all that sets in
 
@@ -38,28 +42,61 @@ def same_model(left: mujoco.MjModel, right: mujoco.MjModel) -> bool:
     return all(np.array_equal(first[name], second[name]) for name in first)
 
 
+@dataclass(frozen=True, eq=False)
+class Sound:
+    """A robot in which nothing acts, made once for all that may act in it; nothing of it is changed."""
+
+    robot: Robot
+
+    @cached_property
+    def compiled(self) -> CompiledRobot:
+        return compile_robot(self.robot)
+
+    @cached_property
+    def loaded(self) -> CompiledRobot:
+        return compile_robot(self.robot, [bolt_on(PAYLOAD)])
+
+    @cached_property
+    def loaded_with(self) -> dict[str, CompiledRobot]:
+        """The robot loaded, by the side that its friction is on."""
+        return {side: compile_robot(self.robot, [friction_on(side), bolt_on(PAYLOAD)]) for side in SIDES}
+
+    @cached_property
+    def seen(self) -> tuple[Trace, Reading]:
+        """Some motion, and what perfect instruments show of it."""
+        plant, trace = some_trace(self.robot, np.random.default_rng(20261121))
+        return trace, perfect_reading(plant.compiled, trace)
+
+
+@pytest.fixture(scope="module")
+def sound(small: Robot, hh150: Robot) -> dict[str, Sound]:
+    return {"small": Sound(small), "hh150": Sound(hh150)}
+
+
 @pytest.fixture(params=["small", "hh150"])
-def robot(request: pytest.FixtureRequest) -> Robot:
-    found: Robot = request.getfixturevalue(request.param)
-    return found
+def one(request: pytest.FixtureRequest, sound: dict[str, Sound]) -> Sound:
+    return sound[request.param]
 
 
 @pytest.fixture
-def compiled(robot: Robot) -> CompiledRobot:
-    return compile_robot(robot)
+def robot(one: Sound) -> Robot:
+    return one.robot
+
+
+@pytest.fixture
+def compiled(one: Sound) -> CompiledRobot:
+    return one.compiled
 
 
 @pytest.mark.parametrize("name", EVERYTHING)
-def test_null_changes_nothing(name: str, robot: Robot, compiled: CompiledRobot, rng: np.random.Generator) -> None:
-    effect = EVERYTHING[name]
-    nominal = compile_robot(robot, [bolt_on(PAYLOAD)])
-    plant, trace = some_trace(robot, rng)
-    reading = perfect_reading(plant.compiled, trace)
+def test_null_changes_nothing(name: str, one: Sound) -> None:
+    effect, robot, compiled = EVERYTHING[name], one.robot, one.compiled
+    trace, reading = one.seen
     for place in places_of(effect, compiled)[:2]:
         values, conditions = effect.complete({}), warm(compiled.n_joints)
         edit = effect.edit(place, values, conditions)
         if edit is not None:
-            assert same_model(compile_robot(robot, [bolt_on(PAYLOAD), edit]).model, nominal.model)
+            assert same_model(compile_robot(robot, [bolt_on(PAYLOAD), edit]).model, one.loaded.model)
         error = effect.encoder_error(place, values, trace.q, trace.q_velocity)
         assert error is None or not np.any(error)
         assert effect.lateness(place, values) is None
@@ -70,13 +107,10 @@ def test_null_changes_nothing(name: str, robot: Robot, compiled: CompiledRobot, 
 
 
 @pytest.mark.parametrize("name", EVERYTHING)
-def test_typical_values_do_something(
-    name: str, robot: Robot, compiled: CompiledRobot, rng: np.random.Generator
-) -> None:
+def test_typical_values_do_something(name: str, one: Sound) -> None:
     """At least one of its methods says that something changes."""
-    effect = EVERYTHING[name]
-    plant, trace = some_trace(robot, rng)
-    reading = perfect_reading(plant.compiled, trace)
+    effect, compiled = EVERYTHING[name], one.compiled
+    trace, reading = one.seen
     for place in places_of(effect, compiled)[:1]:
         values, conditions = effect.complete(typical(effect, compiled, place)), warm(compiled.n_joints)
         seen = effect.distort(place, values, reading, trace, conditions)
@@ -92,12 +126,11 @@ def test_typical_values_do_something(
         )
 
 
-@pytest.mark.parametrize("side", ["as-model", "none"])
+@pytest.mark.parametrize("side", SIDES)
 @pytest.mark.parametrize("name", EDITED)
-def test_stays_where_it_was_put(name: str, side: str, robot: Robot) -> None:
+def test_stays_where_it_was_put(name: str, side: str, one: Sound) -> None:
     """With an effect of typical size the robot has a rest, and stays there in time, everywhere where it can act."""
-    base = [friction_on(side), bolt_on(PAYLOAD)]
-    compiled = compile_robot(robot, base)
+    robot, compiled, base = one.robot, one.loaded_with[side], [friction_on(side), bolt_on(PAYLOAD)]
     q = np.full(compiled.n_joints, 0.3)
     effect = EVERYTHING[name]
     for place in places_of(effect, compiled):

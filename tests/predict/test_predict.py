@@ -32,6 +32,16 @@ FAR_ZERO = 5e-4  # [rad], five times that
 PAYLOAD_KG = 4.0
 
 
+def says_nothing_anew(patch: pytest.MonkeyPatch) -> None:
+    """Leave out what may be anew: most of the time of a prediction, and `test_worth_freeing.py` asks for it."""
+    patch.setattr("bench.predict.predict.worth_freeing", lambda *given: ())
+
+
+@pytest.fixture(autouse=True)
+def nothing_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    says_nothing_anew(monkeypatch)
+
+
 def only(campaign: Campaign, model: CompiledRobot, nominal: CompiledRobot, *free: str) -> PredictedRecording:
     (found,) = predict(campaign, model, nominal, free=free).recordings
     return found
@@ -255,8 +265,11 @@ def test_what_nothing_shows_cannot_be_free(campaign: Campaign, nominal: Compiled
         predict(replace(campaign, runs=runs), nominal, nominal, free=("encoder_zero",))
 
 
-def test_a_payload_that_the_robot_states_to_be_known_is_not_free(campaign: Campaign, nominal: CompiledRobot) -> None:
+def test_a_payload_that_the_robot_states_to_be_known_is_not_free(
+    campaign: Campaign, nominal: CompiledRobot, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """`uncertainty.payload_kg: 0`, of a lab that weighs all that it hangs on, ended in a ZeroDivisionError."""
+    monkeypatch.undo()
     figures = nominal.robot.figures
     known = figures.model_copy(update={"uncertainty": figures.uncertainty.model_copy(update={"payload_kg": 0.0})})
     stated = compile_robot(replace(nominal.robot, figures=known))

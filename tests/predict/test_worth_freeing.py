@@ -15,7 +15,7 @@ from bench.report.prediction.words import words_of
 from bench.report.prediction.write import json_of
 from bench.robot.compiled import CompiledRobot
 from tests.predict.conftest import campaign_of
-from tests.predict.test_predict import only, shifted
+from tests.predict.test_predict import only, says_nothing_anew, shifted
 from tests.simulate.rotation_small import small_rotation
 
 ZERO = 5e-4  # [rad], of a link encoder: five times its stated uncertainty
@@ -28,6 +28,13 @@ SEEDS = range(20, 24)
 def set_up_anew(campaign: Campaign, nominal: CompiledRobot) -> Prediction:
     """Return what the nominal robot makes of a recording in which a link encoder was zeroed anew."""
     return predict(shifted(campaign, "q_link_2_rad", ZERO), nominal, nominal)
+
+
+def with_free(campaign: Campaign, nominal: CompiledRobot, *free: str) -> PredictedRecording:
+    """Return what the nominal robot leaves with something free; what else may be anew is not asked."""
+    with pytest.MonkeyPatch.context() as patch:
+        says_nothing_anew(patch)
+        return only(campaign, nominal, nominal, *free)
 
 
 def named(recording: PredictedRecording) -> list[str]:
@@ -62,7 +69,7 @@ def test_friction_of_a_colder_day_is_named_and_found(nominal: CompiledRobot) -> 
     rng, scenario = np.random.default_rng(3), small_rotation(nominal.robot.folder)
     recorded = hide_campaign(nominal.robot, scenario, acting, rng, background=False, tails=None).campaign
     assert named(only(recorded, nominal, nominal))[0] == "friction"
-    found = only(recorded, nominal, nominal, "friction").freed
+    found = with_free(recorded, nominal, "friction").freed
     told = {figure.name: figure for figure in found}
     assert all("friction of" in name for name in told)
     first = told[f"motor-side Coulomb friction of {nominal.robot.figures.drives[0].joint}"]
@@ -78,7 +85,7 @@ def test_a_joint_that_became_softer_or_stiffer_is_named_and_found(nominal: Compi
     rng, scenario = np.random.default_rng(3), small_rotation(nominal.robot.folder)
     recorded = hide_campaign(nominal.robot, scenario, acting, rng, background=False, tails=None).campaign
     assert named(only(recorded, nominal, nominal)) == ["stiffness"]
-    found = {figure.name: figure for figure in only(recorded, nominal, nominal, "stiffness").freed}
+    found = {figure.name: figure for figure in with_free(recorded, nominal, "stiffness").freed}
     assert all(name.startswith("stiffness of") for name in found)
     first = found[f"stiffness of {nominal.robot.figures.drives[0].joint}"]
     stiffer = 1 / (1 + change) - 1
@@ -99,7 +106,7 @@ def test_friction_is_named_beside_a_payload_that_is_most_of_what_is_left(nominal
     friction = found.maybe_anew[1]
     assert friction.beside == ("payload",)
     assert "rolling, beside `--free payload` (evidence +" in anew_text(friction, found)
-    both = only(recorded, nominal, nominal, "payload", "friction")
+    both = with_free(recorded, nominal, "payload", "friction")
     np.testing.assert_allclose(friction.rms, [channel.rms for channel in both.channels], rtol=1e-3)
 
 

@@ -13,11 +13,13 @@ def alike(sequences: Sequence[Array]) -> float:
     count = sum(len(s) for s in sequences)
     power = sum(float(s @ s) for s in sequences)
     total = 1.0
+    longer = list(sequences)
     for lag in range(1, MOST_LAGS):
-        pairs = sum(len(s) - lag for s in sequences if len(s) > lag)
+        longer = [s for s in longer if len(s) > lag]
+        pairs = sum(map(len, longer)) - lag * len(longer)
         if power <= 0 or pairs < FEW:
             break
-        product = sum(float(s[lag:] @ s[:-lag]) for s in sequences if len(s) > lag)
+        product = sum([float(s[lag:] @ s[:-lag]) for s in longer])
         correlation = (product / pairs) / (power / count)
         if correlation <= 0:
             break

@@ -90,8 +90,12 @@ class MotionReplay:
         for course, found in zip(nominal, parts, strict=True):
             self._found[course.instants] = found
         self._gas = GasHistory.of(segments, self._found[:, 0, : compiled.n_joints])
-        # from there once more: what does not move the robot changes nothing then, to the last digit
-        self._nominal = self._joined(nominal, [self._followed(NOMINAL, course)[0] for course in nominal])
+
+    @cached_property
+    def _nominal(self) -> Moved:
+        """How the nominal robot moved, followed once more: what does not move it changes nothing, to the last digit."""
+        courses = self._courses(NOMINAL)
+        return self._joined(courses, [self._followed(NOMINAL, course)[0] for course in courses])
 
     def trace(self, world: World) -> Trace:
         """Return the true motion in a world at all instants that are read, segment after segment.

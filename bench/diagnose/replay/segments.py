@@ -78,7 +78,10 @@ class Segment:
         return len(self.observed)
 
     def earlier(self, seconds: float) -> "Segment":
-        """Return the segment with the motion of some time before, read at the same instants; a rest stays as it is."""
+        """Return the segment with the motion of some time before, read at the same instants; a rest stays as it is.
+
+        What averaged torques have more is that of its own motion, and stays behind.
+        """
         if self.is_static:
             return self
         motion = self.motion
@@ -94,7 +97,7 @@ class Segment:
             velocity=motion.velocity + speeds,
             acceleration=motion.acceleration + accelerations,
         )
-        return replace(self, motion=changed)
+        return replace(self, motion=changed, average_excess=None)
 
     def rates_of(self, error: Callable[[Array, Array], Array | None]) -> tuple[Array, Array]:
         """Return what an error of the encoders adds to the speeds and accelerations of the motion, shape (T, n) each.

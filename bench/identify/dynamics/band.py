@@ -8,6 +8,7 @@ sampling rate central differences lose 36 % of a velocity and 59 % of an acceler
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -23,6 +24,7 @@ TORQUE_CUTOFF = 10.0  # derived: bandwidths up to which columns and torque are k
 POSITION_CUTOFF = 2.0
 ORDER = 4  # derived: of each Butterworth filter, run forth and back (likewise)
 LEAST = 30  # declared: samples that are kept of all runs; fewer are refused, for they tell no drive from its friction
+MOST_FILTERS = 64  # effort: that are kept
 HIGHEST = 0.8  # rounding: of half the sampling rate; a cut-off beyond that filters nothing
 
 
@@ -73,11 +75,19 @@ def low_pass(values: Array, rate: float, cutoff_hz: float) -> Array:
     """Return values, shape (T, ...), through a zero-phase Butterworth low-pass; as they are where it lies too high."""
     if cutoff_hz >= HIGHEST * rate / 2:
         return values
-    from scipy.signal import butter, sosfiltfilt  # here: half a second that who needs none need not wait
+    from scipy.signal import sosfiltfilt  # here: half a second that who needs none need not wait
 
-    sections = butter(ORDER, cutoff_hz / (rate / 2), output="sos")
+    sections = _butterworth(cutoff_hz / (rate / 2))
     pad = min(len(values) - 1, int(np.ceil(rate / cutoff_hz)) + 3 * (2 * len(sections) + 1))
     return np.asarray(sosfiltfilt(sections, values, axis=0, padlen=pad))
+
+
+@lru_cache(maxsize=MOST_FILTERS)
+def _butterworth(cutoff: float) -> Array:
+    """Return the sections of a low-pass with a cut-off in half sampling rates."""
+    from scipy.signal import butter
+
+    return np.asarray(butter(ORDER, cutoff, output="sos"))
 
 
 def band_of(runs: Sequence[MotionSamples], cutoff_hz: float | None = None) -> Band:

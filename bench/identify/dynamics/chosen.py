@@ -9,10 +9,11 @@ from bench.identify.dynamics.band import Band
 from bench.identify.dynamics.equations import OPTIONAL
 from bench.identify.dynamics.folds import Folds
 from bench.identify.dynamics.held_out import Missed, missed
-from bench.identify.dynamics.normal import evidence_gain, posterior
+from bench.identify.dynamics.normal import evidence_gain, explained_by, posterior
 from bench.identify.dynamics.prior import NARROWEST, NONE, Prior, Widths
 from bench.identify.dynamics.rows import DriveRows
 from bench.identify.dynamics.solve import Solution, solve
+from bench.record.campaign import Array
 
 # declared: log evidence from where on a drive has it; 100 to 1, as a diagnosis asks of a finding
 SURELY = float(np.log(100.0))
@@ -143,23 +144,23 @@ def turning_late(solution: Solution, prior: Prior) -> Widths:
 
 def _most_wanted(solution: Solution, drive: int, place: int, prior: Prior) -> tuple[float, Widths]:
     """Return by how much what is optional of a drive raises the log evidence at best, and the widths with it."""
-    before = solution.widths
-    readings = _readings(solution, drive, before, prior)
+    widths = solution.widths
+    before = explained_by(solution.normal, prior, widths)
+    readings = _readings(solution, drive, before.parameters(prior))
     gains = {}
     for width in range(NARROWEST, 1):
-        after = before.with_optional(place, width)
-        left = _readings(solution, drive, after, prior)
-        gains[after] = evidence_gain(solution.normal, prior, before, after, readings, left)
+        tried = widths.with_optional(place, width)
+        after = explained_by(solution.normal, prior, tried)
+        gains[tried] = evidence_gain(before, after, readings, _readings(solution, drive, after.parameters(prior)))
     best = max(gains, key=gains.__getitem__)
     return gains[best], best
 
 
-def _readings(solution: Solution, drive: int, widths: Widths, prior: Prior) -> float:
-    """Return the weighted squares that widths leave of a drive: of its own, as many as its independent readings.
+def _readings(solution: Solution, drive: int, parameters: Array) -> float:
+    """Return the weighted squares that parameters leave of a drive: of its own, as many as its independent readings.
 
     Linear about the solution, as the evidence is: with what other widths make of masses, products are beyond it.
     """
-    parameters, _ = posterior(solution.normal, prior, widths)
     one = solution.drives[drive]
     return one.weight * float(np.sum((one.response(solution.delay) - one.factors @ parameters[one.rows.index]) ** 2))
 
@@ -170,9 +171,10 @@ def _with_optional(
     """Return a solution with what one drive has of `OPTIONAL`, the most wanted first, and what it misses."""
     n = len(solution.noise)
     left = set(range(drive, n * OPTIONAL.index("presliding"), n))
+    wanted: dict[int, tuple[float, Widths]] = {}  # beside the solution as it is
     while left:
-        wanted = {place: _most_wanted(solution, drive, place, prior) for place in left}
-        gains = {place: gain - WANTED[OPTIONAL[place // n]] for place, (gain, _) in wanted.items()}
+        wanted = wanted or {place: _most_wanted(solution, drive, place, prior) for place in left}
+        gains = {place: gain - WANTED[OPTIONAL[place // n]] for place, (gain, _) in wanted.items() if place in left}
         place = max(left, key=gains.__getitem__)
         if gains[place] <= 0:
             break
@@ -180,5 +182,5 @@ def _with_optional(
         more = replace(solution, widths=wanted[place][1])
         tried = missed(more, prior, folds)
         if tried.squares[:, drive].sum() < beside.squares[:, drive].sum():
-            solution, beside = more, tried
+            solution, beside, wanted = more, tried, {}
     return solution, beside

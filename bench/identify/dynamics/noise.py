@@ -55,10 +55,12 @@ def noise_of(residual: Array, segment: NDArray[np.int64], freedom: float) -> Noi
         freedom: Degrees of freedom that are left of the R.
     """
     variance = float(residual @ residual) / max(freedom, 1.0)
-    longest = max((rows.stop - rows.start for rows in pieces(segment)), default=0)
+    rows = [residual[piece] for piece in pieces(segment)]
+    longest = max(map(len, rows), default=0)
+    target, past = _neighbours([row for row in rows if len(row) > MOST_LAGS])
     best, criterion = np.zeros(0), np.inf
     for order in range(min(MOST_LAGS, longest // 4) + 1):
-        coefficients, innovation, count = _autoregression(residual, segment, order)
+        coefficients, innovation, count = _autoregression(target, past, order)
         if count and innovation > 0 and (value := count * np.log(innovation) + 2 * order) < criterion:
             best, criterion = coefficients, value
     return Noise(variance, _correlation(best, longest))
@@ -70,18 +72,28 @@ def pieces(segment: NDArray[np.int64]) -> list[slice]:
     return [slice(int(a), int(b)) for a, b in pairwise(ends) if b > a]
 
 
-def _autoregression(residual: Array, segment: NDArray[np.int64], order: int) -> tuple[Array, float, int]:
-    """Return coefficients, variance of the innovations, and number of rows; by least squares over all pieces."""
-    rows = [residual[piece] for piece in pieces(segment)]
-    rows = [row for row in rows if len(row) > MOST_LAGS]
+def _neighbours(rows: list[Array]) -> tuple[Array, Array]:
+    """Return values of pieces of motion, shape (R,), and those at `MOST_LAGS` rows before each, shape (R, lags)."""
     if not rows:
+        return np.zeros(0), np.zeros((0, MOST_LAGS))
+    past = [np.stack([row[MOST_LAGS - k : len(row) - k] for k in range(1, MOST_LAGS + 1)], axis=1) for row in rows]
+    return np.concatenate([row[MOST_LAGS:] for row in rows]), np.vstack(past)
+
+
+def _autoregression(target: Array, past: Array, order: int) -> tuple[Array, float, int]:
+    """Return coefficients, variance of the innovations, and number of rows; by least squares over all pieces.
+
+    Args:
+        target: Shape (R,).
+        past: Shape (R, lags), what came before.
+        order: How much of it counts.
+    """
+    if not len(target):
         return np.zeros(order), 0.0, 0
-    target = np.concatenate([row[MOST_LAGS:] for row in rows])
-    past = [np.stack([row[MOST_LAGS - k : len(row) - k] for k in range(1, order + 1)], axis=1) for row in rows if order]
-    if not past:
+    if not order:
         return np.zeros(0), float(np.mean(target**2)), len(target)
-    regressor = np.vstack(past)
-    coefficients = np.linalg.lstsq(regressor, target)[0]
+    regressor = np.ascontiguousarray(past[:, :order])
+    coefficients = np.asarray(np.linalg.lstsq(regressor, target)[0], dtype=np.float64)
     return coefficients, float(np.mean((target - regressor @ coefficients) ** 2)), len(target)
 
 

@@ -4,12 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import solve_triangular
+from scipy.linalg.lapack import dtrtrs
 
 from bench.identify.dynamics.prior import AS_STATED, Prior, Widths
 from bench.identify.dynamics.rows import DriveRows
 from bench.record.campaign import Array
+from bench.robot.recent import Recent
 
+MOST_FACTORS = 128  # effort: of priors, which are kept; about 0.2 MB each for six drives
 ROUNDING = 1e-12  # rounding: of a sum of squares; what is left below that when its terms are taken away again
 
 
@@ -76,11 +78,44 @@ def right_of(drives: Sequence[Weighed], delay: float, size: int) -> Array:
 
 def posterior(normal: Normal, prior: Prior, widths: Widths) -> tuple[Array, Array]:
     """Return mean, shape (p,), and covariance, shape (p, p), of the parameters."""
-    factor = prior.factor(widths)
-    factor = factor[:, np.any(factor, axis=0)]  # what is not free stays
+    factor = _free_factor(prior, widths)  # what is not free stays
     inverse = _inverse(normal, factor)
     covariance = factor @ inverse @ factor.T
     return prior.mean + covariance @ (normal.right - normal.gram @ prior.mean), covariance
+
+
+@dataclass(frozen=True, eq=False)
+class Explained:
+    """What widths of a prior make of data, of whose parameters r are free.
+
+    Attributes:
+        squares: Weighted, that they let parameters explain.
+        volume: Half of log det H, with H = 1 + L^T G L = C C^T.
+        free: Shape (p, r), the columns of L that are not zero.
+        lower: Shape (r, r), C.
+        reduced: Shape (r,), C^-1 L^T (X^T W y - G mean).
+    """
+
+    squares: float
+    volume: float
+    free: Array
+    lower: Array
+    reduced: Array
+
+    def parameters(self, prior: Prior) -> Array:
+        """Return the mean of the parameters, shape (p,)."""
+        offset, _ = dtrtrs(self.lower.T, self.reduced, lower=0)
+        return np.asarray(prior.mean + self.free @ offset)
+
+
+def explained_by(normal: Normal, prior: Prior, widths: Widths) -> Explained:
+    """Return what widths of a prior make of data; what is not free adds nothing to it."""
+    free = _free_factor(prior, widths)
+    inner = np.eye(free.shape[1]) + free.T @ normal.gram @ free
+    lower = np.asarray(np.linalg.cholesky((inner + inner.T) / 2), dtype=np.float64)
+    right = free.T @ (normal.right - normal.gram @ prior.mean)
+    reduced, _ = dtrtrs(lower.T, right, lower=0, trans=1)
+    return Explained(float(reduced @ reduced), float(np.log(np.diag(lower)).sum()), free, lower, reduced)
 
 
 def log_evidence(normal: Normal, prior: Prior, widths: Widths) -> float:
@@ -88,11 +123,11 @@ def log_evidence(normal: Normal, prior: Prior, widths: Widths) -> float:
 
     With H = 1 + L^T G L and b = L^T (X^T W y - G mean): (b^T H^-1 b - log det H) / 2.
     """
-    explained, volume = _evidence(normal, prior, widths)
-    return explained / 2 - volume
+    found = explained_by(normal, prior, widths)
+    return found.squares / 2 - found.volume
 
 
-def evidence_gain(normal: Normal, prior: Prior, before: Widths, after: Widths, readings: float, left: float) -> float:
+def evidence_gain(before: Explained, after: Explained, readings: float, left: float) -> float:
     """Return by how much other widths raise the log evidence where nobody knows the noise of one drive.
 
     Weights hold what widths `before` leave of it for noise, so what `after` explains of it can raise the evidence by
@@ -101,33 +136,18 @@ def evidence_gain(normal: Normal, prior: Prior, before: Widths, after: Widths, r
     of it, and by half where that would be all of it.
 
     Args:
-        normal: The normal equations, weighted by the noise before.
-        prior: Of the parameters.
-        before: Widths that the weights belong to.
-        after: Widths that are tried.
+        before: What widths make of data that the weights belong to.
+        after: What those make of them that are tried.
         readings: n, of the drive that is explained: its weighted squares before, one by one as independent ones count.
         left: Its weighted squares after.
     """
-    first, volume = _evidence(normal, prior, before)
-    second, other = _evidence(normal, prior, after)
-    explained, volume = second - first, other - volume
+    explained, volume = after.squares - before.squares, after.volume - before.volume
     elsewhere = 0.0
     if explained >= readings > left > 0:
         explained, elsewhere = readings - left, explained - (readings - left)
     if not 0 < explained < readings:
         return explained / 2 - volume
     return elsewhere / 2 - max(readings - 1, 0.0) / 2 * float(np.log1p(-explained / readings)) - volume
-
-
-def _evidence(normal: Normal, prior: Prior, widths: Widths) -> tuple[float, float]:
-    """Return the weighted squares that a prior lets parameters explain, and half its log det H."""
-    factor = prior.factor(widths)
-    factor = factor[:, np.any(factor, axis=0)]  # what is not free adds nothing to either
-    inner = np.eye(factor.shape[1]) + factor.T @ normal.gram @ factor
-    lower = np.linalg.cholesky((inner + inner.T) / 2)
-    right = factor.T @ (normal.right - normal.gram @ prior.mean)
-    explained = solve_triangular(lower, right, lower=True, check_finite=False)
-    return float(explained @ explained), float(np.log(np.diag(lower)).sum())
 
 
 def likeliest_widths(normal: Normal, prior: Prior, best: Widths) -> Widths:
@@ -160,6 +180,21 @@ def width_errors(normal: Normal, prior: Prior, chosen: Widths) -> Array:
                 other, wider = posterior(normal, prior, widths)
                 added += weight * (wider - covariance + np.multiply.outer(other - mean, other - mean))
     return added
+
+
+_FACTORS: Recent[tuple[Prior, Widths], Array] = Recent(MOST_FACTORS)
+
+
+def _free_factor(prior: Prior, widths: Widths) -> Array:
+    """Return the columns of L that are not zero, shape (p, r); the same widths are weighed again and again."""
+
+    def made() -> Array:
+        factor = prior.factor(widths)
+        factor = factor[:, np.any(factor, axis=0)]
+        factor.flags.writeable = False
+        return factor
+
+    return _FACTORS.get((prior, widths), made)
 
 
 def _inverse(normal: Normal, factor: Array) -> Array:

@@ -132,7 +132,7 @@ def _with(values: tuple[int, ...], place: int, value: int) -> tuple[int, ...]:
     return (*values[:place], value, *values[place + 1 :])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Prior:
     """Normal: parameters = mean + L z with z standard normal, and L the sum of its parts by their widths.
 
