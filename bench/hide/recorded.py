@@ -4,9 +4,11 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from bench.effects.conditions import Conditions
 from bench.effects.recorded import Recorded, recorded_in
 from bench.hide.campaign import reduced, runs_of
 from bench.hide.plan import plan, setup_of
+from bench.hide.thermometers import temperatures
 from bench.hide.warm_up import WarmUp
 from bench.robot.folder import Robot
 from bench.scenario.files import Experiment
@@ -22,7 +24,7 @@ def recorded_of(
     Raises:
         InputError: As `hide_campaign`.
     """
-    robot, session, _ = reduced(robot, session, tuple(without), tuple(channels))
+    robot, session, thermometers = reduced(robot, session, tuple(without), tuple(channels))
     setup = setup_of(robot, session)
     n, r = robot.n_joints, len(robot.figures.reflectors)
     stays, log = plan(setup.legs, (), lambda nominal: nominal, WarmUp(np.zeros(n), np.zeros(n), 0.0))
@@ -32,5 +34,6 @@ def recorded_of(
     names = [name for name in Trace.__dataclass_fields__ if name != "time"]
     nothing = Trace(time=time, **{name: np.zeros((len(time), *shapes.get(name, (n,)))) for name in names})
     reading = Instruments(setup.compiled, None).read(nothing)
-    runs = runs_of(setup.compiled, log, reading, {})
+    kelvin = temperatures(Conditions.reference(n), len(time), thermometers, np.random.default_rng(0))
+    runs = runs_of(setup.compiled, log, reading, kelvin)
     return recorded_in(runs, setup.compiled.model.opt.gravity)

@@ -6,9 +6,7 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 
-from bench.identify.dynamics.equations import BALANCER
-from bench.identify.dynamics.parameters import Layout
-from bench.report.dynamics.notes import balancer_notes, rivals_notes
+from bench.report.dynamics.notes import rivals_notes
 from bench.report.dynamics.words import folds_words
 
 
@@ -39,20 +37,3 @@ def test_where_least_squares_is_better_is_said_of_each_campaign() -> None:
     assert list(rivals_notes(("base", "elbow"), "sweeps", torques)) == [
         "On sweeps, plain least squares predicts base better than the first pass does."
     ]
-
-
-@pytest.mark.parametrize("sigma", [0.01, 0.9])
-def test_a_balancer_within_its_intervals_of_none_is_no_finding(sigma: float) -> None:
-    """Two of three UR10e in another program seemed to carry one, of 1.0 +- 1.9 Nm and the like."""
-    layout = Layout(2, has_payload=False, has_gas=False)
-    parameters = np.zeros(layout.size)
-    for name in BALANCER:
-        parameters[layout.of_drives(name)] = [99.0, 1.0]
-    solution = SimpleNamespace(covariance=sigma**2 * np.eye(layout.size))
-    has = {"balancer": (1,)}
-    found: Any = SimpleNamespace(
-        layout=layout, solution=solution, parameters=parameters, has=has, joints=("base", "elbow")
-    )
-    (note,) = balancer_notes(found)
-    assert ("elbow seems to carry a spring balancer" in note) is (sigma < 0.1)
-    assert ("elbow was fitted, but its intervals hold none" in note) is (sigma > 0.1)

@@ -9,18 +9,19 @@ from bench.errors import InputError
 from bench.identify.arm import Arm
 from bench.identify.dynamics.band import Band, band_of
 from bench.identify.dynamics.base_parameters import base_parameters
-from bench.identify.dynamics.equations import Equations, equations_of
+from bench.identify.dynamics.chosen import RARE
+from bench.identify.dynamics.equations import BALANCER, Equations, equations_of
 from bench.identify.dynamics.folds import blocks_of, folds_of
 from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.held_out import SAME, Problems, hold_out, missed
 from bench.identify.dynamics.normal import Weighed, normal_of, width_errors
 from bench.identify.dynamics.parameters import Layout
-from bench.identify.dynamics.prior import Prior, prior_of, weighed
+from bench.identify.dynamics.prior import NONE, Prior, prior_of, weighed
 from bench.identify.dynamics.rival import Rival, rival_of
 from bench.identify.dynamics.rows import DriveRows, rows_of
 from bench.identify.dynamics.samples import motion_samples
-from bench.identify.dynamics.solve import Solution, solve
-from bench.identify.dynamics.stages import Setting
+from bench.identify.dynamics.solve import Solution, odds_against_none, solve
+from bench.identify.dynamics.stages import Fit, Setting
 from bench.record.campaign import Array, Campaign
 from bench.robot.nominal_dynamics import NominalDynamics
 
@@ -58,10 +59,12 @@ def first_pass(
         )
     prior = prior_of(layout, nominal, arm, *_sizes(rows, layout, nominal.speed_limit))
     setting = Setting(layout, band, arm, nominal, prior, folds_of(stretches), find_delay)
-    fit = setting.leaning(setting.winding(setting.turning_late(setting.begun(stretches))))
-    solution, rows = fit.solution, tuple(one.rows for one in fit.solution.drives)
-    unsure = width_errors(solution.normal, prior, solution.widths)
-    solution = replace(solution, covariance=solution.covariance + unsure)
+    fit, solution = _fitted(setting, stretches)
+    if unsure := _unsure_balancers(solution, layout):
+        prior = prior.without("balancer", unsure)
+        setting = replace(setting, prior=prior)
+        fit, solution = _fitted(setting, stretches)
+    rows = tuple(one.rows for one in solution.drives)
     rival = rival_of(layout, base)
     plain = _plain_weights(rows, rival, solution, prior)
     bodies = setting.bodies(solution)
@@ -84,6 +87,27 @@ def first_pass(
         held_out=hold_out(problems, setting.folds),
         top_speed=top,
     )
+
+
+def _fitted(setting: Setting, stretches: tuple[Equations, ...]) -> tuple[Fit, Solution]:
+    """Return a fit, and its posterior with what its widths leave open."""
+    fit = setting.leaning(setting.winding(setting.turning_late(setting.begun(stretches))))
+    unsure = width_errors(fit.solution.normal, setting.prior, fit.solution.widths)
+    return fit, replace(fit.solution, covariance=fit.solution.covariance + unsure)
+
+
+def _unsure_balancers(solution: Solution, layout: Layout) -> tuple[int, ...]:
+    """Return the drives whose balancer may as well be none, by all that the posterior leaves open.
+
+    It was chosen at the noise and the widths of one fit: what gears and friction leave of an elbow that hardly moves
+    alone, at odds of a thousand, is none by its own intervals.
+    """
+    found = []
+    for drive, width in enumerate(solution.widths.optional_of("balancer")):
+        which = np.array([np.arange(layout.size)[layout.of_drives(name)][drive] for name in BALANCER])
+        if width != NONE and odds_against_none(solution, which) <= RARE:
+            found.append(drive)
+    return tuple(found)
 
 
 def _layout_of(stretches: Sequence[Equations], band: Band, arm: Arm, nominal: NominalDynamics) -> Layout:

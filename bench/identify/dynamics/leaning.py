@@ -19,7 +19,7 @@ from bench.identify.dynamics.chosen import SURELY
 from bench.identify.dynamics.equations import Equations
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.regressor import N_INERTIAL, link_regressor, payload_columns
-from bench.identify.dynamics.solve import Solution
+from bench.identify.dynamics.solve import Solution, odds_against_none
 from bench.record.campaign import Array
 from bench.robot.bodies import RigidBodies, read_only
 from bench.robot.nominal_dynamics import NominalDynamics
@@ -74,14 +74,10 @@ def seems_to_lean(solution: Solution, layout: Layout) -> bool:
     """Return whether data want gravity to lean by 100 to 1, at the noise that is left with it.
 
     Without it a lean is noise that remembers for long, of which a drive has few independent readings: too few to want
-    it. The odds are those of the density at no lean before and after the data (J. M. Dickey, "The weighted likelihood
-    ratio, linear hypotheses on normal location parameters", Annals of Mathematical Statistics 42(1), 1971).
+    it.
 
     Args:
         solution: With the columns of a lean.
         layout: Of the parameters.
     """
-    lean, prior = solution.parameters[layout.lean], solution.prior_sigma[layout.lean]
-    covariance = solution.covariance[layout.lean, layout.lean]
-    narrower = float(np.linalg.slogdet(covariance)[1]) / 2 - float(np.sum(np.log(prior)))
-    return float(lean @ np.linalg.solve(covariance, lean)) / 2 + narrower > SURELY
+    return odds_against_none(solution, np.arange(layout.size)[layout.lean]) > SURELY

@@ -1,5 +1,6 @@
 """What the figures say of the unknowns before the data are looked at."""
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -75,6 +76,11 @@ class Widths:
     def with_optional(self, place: int, width: int) -> "Widths":
         """Return these with another width of one optional friction of one drive."""
         return replace(self, optional=_with(self.optional, place, width))
+
+    def optional_of(self, name: str) -> tuple[int, ...]:
+        """Return the width of something of `OPTIONAL`, for each drive."""
+        n = len(self.offset)
+        return self.optional[n * OPTIONAL.index(name) :][:n]
 
     def _name(self, place: int) -> str:
         return OPTIONAL[place // len(self.offset)]
@@ -161,6 +167,12 @@ class Prior:
         stated = frozenset(i for i, own in enumerate(self.offset) if np.any(self.stated_offset[np.diag(own) > 0]))
         offset = tuple(NONE if i in stated else 0 for i in range(len(self.offset)))
         return Widths(0, 0, offset, (NONE,) * len(self.optional), stated=stated)
+
+    def without(self, name: str, drives: Collection[int]) -> "Prior":
+        """Return the same with none of something of `OPTIONAL` at some drives."""
+        first = OPTIONAL.index(name) * (len(self.optional) // len(OPTIONAL))
+        barred = np.isin(np.arange(len(self.optional)), [first + j for j in drives])
+        return replace(self, optional=np.where(barred[:, None, None], 0.0, self.optional))
 
     def factor(self, widths: Widths) -> Array:
         """Return L, shape (p, p)."""

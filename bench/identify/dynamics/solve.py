@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import optimize
 
 from bench.identify.dynamics.noise import Noise, noise_of
@@ -117,6 +118,21 @@ def solve(
         normal=normal,
         freedom=max(1.0, readings - float(np.sum(normal.gram * covariance))),
     )
+
+
+def odds_against_none(solution: Solution, which: NDArray[np.intp]) -> float:
+    """Return the logarithm of the odds that some parameters are there at all, to that they are none.
+
+    They are those of the density at none before and after the data (J. M. Dickey, "The weighted likelihood ratio,
+    linear hypotheses on normal location parameters", Annals of Mathematical Statistics 42(1), 1971).
+
+    Args:
+        solution: With covariances before and after the data.
+        which: Indices of the parameters.
+    """
+    found, covariance = solution.parameters[which], solution.covariance[np.ix_(which, which)]
+    narrower = float(np.linalg.slogdet(covariance)[1]) / 2 - float(np.sum(np.log(solution.prior_sigma[which])))
+    return float(found @ np.linalg.solve(covariance, found)) / 2 + narrower
 
 
 def _as_measured(rows: DriveRows) -> Noise | None:

@@ -4,10 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from scipy.special import chdtri
 
 from bench.identify.dynamics.coupled import coupled_motors
-from bench.identify.dynamics.equations import BALANCER
 from bench.identify.dynamics.found import FirstPass, Torques
 from bench.identify.dynamics.held_out import HeldOut
 from bench.identify.dynamics.prior import WIDER
@@ -16,7 +14,6 @@ from bench.identify.dynamics.warming import Warming, warming_of
 from bench.report.dynamics.words import REPETITION
 
 BARELY = 1.02  # an error larger by less is the same within what folds differ by (assumed)
-BY_CHANCE = 0.01  # declared: of machines without a balancer that are told to carry one
 
 
 def notes_of(found: FirstPass, told: Sequence[Quantity], predicted: Mapping[Path, Torques]) -> Iterator[str]:
@@ -38,7 +35,12 @@ def notes_of(found: FirstPass, told: Sequence[Quantity], predicted: Mapping[Path
             f"with two joints are not modelled, so friction, rotors and masses of both may be wrong by it."
         )
     yield from _leaning_notes(found, [one for one in told if one.kind == "level"])
-    yield from balancer_notes(found)
+    for j in found.has["balancer"]:
+        yield (
+            f"{found.joints[j]} seems to carry a spring balancer that nobody stated. Where its parent does not tilt, a "
+            "balancer and a first moment of the links do the same to its torque: masses, centres and payload beside it "
+            "are told apart from it by what is stated of them and by inertia alone, and their intervals have that."
+        )
     if found.folds.repeats:
         yield f"{REPETITION}; give one with --held-out."
     for joint, noise in zip(found.joints, found.solution.noise, strict=True):
@@ -79,30 +81,6 @@ def notes_of(found: FirstPass, told: Sequence[Quantity], predicted: Mapping[Path
             else "all runs are taken to carry the same."
         )
         yield f"The payload is told against the stated masses of the links; {carried}"
-
-
-def balancer_notes(found: FirstPass) -> Iterator[str]:
-    """Yield which joints seem to carry a balancer, and where one was fitted that may as well be none.
-
-    It is chosen at the noise and the widths of one fit, its intervals have what all of them leave open. Where none lies
-    within these, all six sizes together, it is no finding.
-    """
-    layout, solution = found.layout, found.solution
-    for j in found.has["balancer"]:
-        at = [range(layout.size)[layout.of_drives(name)][j] for name in BALANCER]
-        sizes, covariance = found.parameters[at], solution.covariance[np.ix_(at, at)]
-        if sizes @ np.linalg.solve(covariance, sizes) > chdtri(len(at), BY_CHANCE):
-            yield (
-                f"{found.joints[j]} seems to carry a spring balancer that nobody stated. Where its parent does not "
-                "tilt, a balancer and a first moment of the links do the same to its torque: masses, centres and "
-                "payload beside it are told apart from it by what is stated of them and by inertia alone, and their "
-                "intervals have that."
-            )
-        else:
-            yield (
-                f"A spring balancer at {found.joints[j]} was fitted, but its intervals hold none: it is no finding. "
-                "Intervals of masses, centres and payload beside it are wider for it."
-            )
 
 
 def _leaning_notes(found: FirstPass, leans: Sequence[Quantity]) -> Iterator[str]:

@@ -6,12 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.identify.dynamics.equations import OPTIONAL
+from bench.identify.dynamics.chosen import RARE
+from bench.identify.dynamics.equations import BALANCER, OPTIONAL
 from bench.identify.dynamics.first_pass import first_pass
 from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.normal import posterior
 from bench.identify.dynamics.prior import AS_STATED, NARROWEST, NONE
 from bench.identify.dynamics.quantities import quantities
+from bench.identify.dynamics.solve import odds_against_none
 from bench.record.campaign import Campaign, Run
 from bench.robot.bodies import read_only
 from tests.identify.dynamics.rigid_world import Friction, N, arm, fourier, recorded, robot, torque_of
@@ -271,3 +273,18 @@ def test_a_balancer_that_nobody_stated_is_there_only_where_that_predicts(amplitu
         told = sigma > 0
         inside += list(np.abs(base @ found.parameters - truth)[told] <= found.quantile(0.9) * sigma[told])
     assert np.mean(inside) >= 0.8
+
+
+def test_a_balancer_that_may_as_well_be_none_is_not_fitted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of two arms with elastic gears and none, another motion was missed up to twice as far with one that is not."""
+    nominal, campaign = robot(arm(), mass=0.02, centre_of_mass_m=0.005), balanced(0, 300.0)
+    sure = first_pass(campaign, nominal, find_delay=False)
+    which = np.array([np.arange(sure.layout.size)[sure.layout.of_drives(name)][1] for name in BALANCER])
+    assert odds_against_none(sure.solution, which) > RARE
+    wide = sure.solution.covariance.copy()
+    wide[np.ix_(which, which)] += np.diag(sure.parameters[which] ** 2)  # as far off as they are large
+    assert odds_against_none(replace(sure.solution, covariance=wide), which) < RARE
+    monkeypatch.setattr("bench.identify.dynamics.first_pass.RARE", np.inf)  # and so none is sure
+    found = first_pass(campaign, nominal, find_delay=False)
+    assert "balancer" not in has(found)
+    assert not np.any(found.parameters[which])
