@@ -166,6 +166,12 @@ def test_rules_bear_any_number(data: st.DataObject, kind: RunKind, arm: Arm | No
         assert finding.remedy
 
 
+def test_rules_bear_infinite_numbers_in_a_row() -> None:
+    """Found by the test above: the step between two of them is no number, and NumPy's warning was all that was said."""
+    current = np.array([0.0, 1.0, -1.0, 2.0, 5e-324, 1e-200, 1e12, 1e300, np.inf, np.inf, 0.5])
+    assert examine(Run("a", "motion", 0.0, {"current_1_a": current}), None)
+
+
 def files_of(table_format: TableFormat) -> dict[str, bytes]:
     """Return a small healthy campaign, file by file."""
     parts = {name: values[::100] for name, values in sweep().items()}, {name: v[:21] for name, v in loading().items()}

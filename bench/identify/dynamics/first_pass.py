@@ -60,7 +60,7 @@ def first_pass(
     prior = prior_of(layout, nominal, arm, *_sizes(rows, layout, nominal.speed_limit))
     setting = Setting(layout, band, arm, nominal, prior, folds_of(stretches), find_delay)
     fit, solution = _fitted(setting, stretches)
-    if unsure := _unsure_balancers(solution, layout):
+    while unsure := _unsure_balancers(solution, layout):
         prior = prior.without("balancer", unsure)
         setting = replace(setting, prior=prior)
         fit, solution = _fitted(setting, stretches)

@@ -78,7 +78,7 @@ def _cause(sheet: Sheet, column: Column) -> Cause | None:
 
 def _stretches(values: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return where stretches of equal samples start and end (exclusive)."""
-    edges = np.flatnonzero(np.diff(values)) + 1
+    edges = np.flatnonzero(values[1:] != values[:-1]) + 1
     return np.append(0, edges), np.append(edges, len(values))
 
 
@@ -92,7 +92,7 @@ def _repeats(values: Array) -> bool:
 
 def is_noisy(values: Array) -> bool:
     """Whether a channel goes up and down from row to row, as noise does; what rests at one value is left out."""
-    step = np.sign(np.diff(_without_rests(values)))
+    step = np.sign(_steps(_without_rests(values)))
     turns = step[step != 0]
     return len(turns) > 1 and bool(np.mean(step == 0) < EQUAL and np.mean(turns[1:] != turns[:-1]) > BACK)
 
@@ -100,12 +100,18 @@ def is_noisy(values: Array) -> bool:
 def _is_noisy_beside_a_trend(values: Array) -> bool:
     """Whether a channel that rises or falls all the time does so unevenly from row to row, as noise makes it."""
     moving = _without_rests(values)
-    bends = np.diff(moving, 2)
-    if len(bends) < ANYWHERE or np.mean(np.diff(moving) == 0) >= EQUAL:
+    bends = _steps(_steps(moving))
+    if len(bends) < ANYWHERE or np.mean(_steps(moving) == 0) >= EQUAL:
         return False
     step = float(np.min(np.diff(np.unique(moving))))
     turns = np.sign(bends)[np.abs(bends) > step / 2]
     return bool(np.median(np.abs(bends)) > BY_ROUNDING * step and np.mean(turns[1:] != turns[:-1]) > TURNS)
+
+
+def _steps(values: Array) -> Array:
+    """Return the steps from row to row; nan between two rows that are infinite, which another rule tells."""
+    with np.errstate(invalid="ignore"):
+        return np.diff(values)
 
 
 def _without_rests(values: Array) -> Array:
