@@ -10,9 +10,10 @@ from bench.identify.dynamics.equations import OPTIONAL
 from bench.identify.dynamics.folds import Folds
 from bench.identify.dynamics.held_out import Missed, missed
 from bench.identify.dynamics.normal import evidence_gain, explained_by, posterior
-from bench.identify.dynamics.prior import NARROWEST, NONE, Prior, Widths
+from bench.identify.dynamics.prior import Prior
 from bench.identify.dynamics.rows import DriveRows
 from bench.identify.dynamics.solve import Solution, solve
+from bench.identify.dynamics.widths import NARROWEST, NONE, Widths
 from bench.record.campaign import Array
 
 # declared: log evidence from where on a drive has it; 100 to 1, as a diagnosis asks of a finding

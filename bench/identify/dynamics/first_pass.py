@@ -16,12 +16,13 @@ from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.held_out import SAME, Problems, hold_out, missed
 from bench.identify.dynamics.normal import Weighed, normal_of, width_errors
 from bench.identify.dynamics.parameters import Layout
-from bench.identify.dynamics.prior import NONE, Prior, prior_of, weighed
+from bench.identify.dynamics.prior import Prior, prior_of, weighed
 from bench.identify.dynamics.rival import Rival, rival_of
 from bench.identify.dynamics.rows import DriveRows, rows_of
 from bench.identify.dynamics.samples import motion_samples
 from bench.identify.dynamics.solve import Solution, odds_against_none, solve
 from bench.identify.dynamics.stages import Fit, Setting
+from bench.identify.dynamics.widths import NONE
 from bench.record.campaign import Array, Campaign
 from bench.robot.nominal_dynamics import NominalDynamics
 

@@ -19,10 +19,11 @@ from bench.identify.dynamics.held_out import HeldOut, Problems
 from bench.identify.dynamics.leaning import leaning, leant
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.presliding import late
-from bench.identify.dynamics.prior import NONE, Prior
+from bench.identify.dynamics.prior import Prior
 from bench.identify.dynamics.rows import DriveRows, rows_of
 from bench.identify.dynamics.samples import MotionSamples, motion_samples
 from bench.identify.dynamics.solve import Solution
+from bench.identify.dynamics.widths import NONE
 from bench.record.campaign import Array, Campaign
 from bench.robot.nominal_dynamics import NominalDynamics
 

@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg.lapack import dtrtrs
 
-from bench.identify.dynamics.prior import AS_STATED, Prior, Widths
+from bench.identify.dynamics.prior import Prior
 from bench.identify.dynamics.rows import DriveRows
+from bench.identify.dynamics.widths import AS_STATED, Widths
 from bench.record.campaign import Array
 from bench.robot.recent import Recent
 

@@ -8,8 +8,8 @@ import numpy as np
 from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.leaning import AXES, axes_across
 from bench.identify.dynamics.presliding import level_of
-from bench.identify.dynamics.prior import SELDOM
 from bench.identify.dynamics.regressor import NAMES
+from bench.identify.dynamics.widths import SELDOM
 from bench.identify.told import is_told
 from bench.record.campaign import Array
 

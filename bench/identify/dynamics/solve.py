@@ -15,8 +15,9 @@ from scipy import optimize
 
 from bench.identify.dynamics.noise import Noise, noise_of
 from bench.identify.dynamics.normal import Normal, Weighed, likeliest_widths, normal_of, posterior, right_of
-from bench.identify.dynamics.prior import Prior, Widths
+from bench.identify.dynamics.prior import Prior
 from bench.identify.dynamics.rows import DriveRows
+from bench.identify.dynamics.widths import Widths
 from bench.record.campaign import Array
 
 # effort: of weighting and linearising; gain and gas shape are corrections of some per cent, errors go with their cubes

@@ -30,9 +30,10 @@ from bench.identify.dynamics.held_out import Missed
 from bench.identify.dynamics.normal import Weighed, normal_of
 from bench.identify.dynamics.parameters import Layout
 from bench.identify.dynamics.presliding import late, likeliest_travel
-from bench.identify.dynamics.prior import Prior, Widths
+from bench.identify.dynamics.prior import Prior
 from bench.identify.dynamics.rows import DriveRows, rows_of
 from bench.identify.dynamics.solve import Solution, solve
+from bench.identify.dynamics.widths import Widths
 from bench.record.campaign import Array
 from bench.robot.nominal_dynamics import NominalDynamics
 

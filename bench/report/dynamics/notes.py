@@ -8,9 +8,9 @@ import numpy as np
 from bench.identify.dynamics.coupled import coupled_motors
 from bench.identify.dynamics.found import FirstPass, Torques
 from bench.identify.dynamics.held_out import HeldOut
-from bench.identify.dynamics.prior import WIDER
 from bench.identify.dynamics.quantities import Quantity
 from bench.identify.dynamics.warming import Warming, warming_of
+from bench.identify.dynamics.widths import WIDER
 from bench.report.dynamics.words import REPETITION
 
 BARELY = 1.02  # an error larger by less is the same within what folds differ by (assumed)

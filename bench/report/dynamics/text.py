@@ -7,8 +7,8 @@ import numpy as np
 
 from bench.identify.dynamics.advice import sentence
 from bench.identify.dynamics.found import FirstPass
-from bench.identify.dynamics.prior import AS_STATED
 from bench.identify.dynamics.quantities import NAMED, RELATIVE, Quantity
+from bench.identify.dynamics.widths import AS_STATED
 from bench.record.campaign import Array
 from bench.record.finding import counted
 from bench.report.diagnosis.numbers import shown, unit_name

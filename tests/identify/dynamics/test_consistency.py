@@ -6,8 +6,9 @@ from bench.identify.arm import Arm
 from bench.identify.dynamics.consistency import bodies_of, inertial_parameters, nearest, pseudo_inertia
 from bench.identify.dynamics.equations import OPTIONAL
 from bench.identify.dynamics.parameters import Layout
-from bench.identify.dynamics.prior import Widths, prior_of
+from bench.identify.dynamics.prior import prior_of
 from bench.identify.dynamics.regressor import standard_parameters
+from bench.identify.dynamics.widths import Widths
 from tests.identify.dynamics.rigid_world import N, arm, robot
 
 

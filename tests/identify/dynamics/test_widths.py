@@ -11,9 +11,9 @@ from bench.identify.dynamics.equations import BALANCER, OPTIONAL
 from bench.identify.dynamics.first_pass import first_pass
 from bench.identify.dynamics.found import FirstPass
 from bench.identify.dynamics.normal import posterior
-from bench.identify.dynamics.prior import AS_STATED, NARROWEST, NONE
 from bench.identify.dynamics.quantities import quantities
 from bench.identify.dynamics.solve import odds_against_none
+from bench.identify.dynamics.widths import AS_STATED, NARROWEST, NONE
 from bench.record.campaign import Campaign, Run
 from bench.robot.bodies import read_only
 from tests.identify.dynamics.rigid_world import Friction, N, arm, fourier, recorded, robot, torque_of
