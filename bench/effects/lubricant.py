@@ -1,5 +1,6 @@
 """Friction that its lubricant makes: it grows with speed, in proportion or less, and falls with temperature."""
 
+from abc import abstractmethod
 from collections.abc import Hashable
 from dataclasses import replace
 
@@ -157,6 +158,7 @@ class RollingFriction(WithCoulomb):
 class _Falling(OnFriction):
     """All friction of a drive is a share of what the model says, another one at other times of a campaign."""
 
+    @abstractmethod
     def _rise(self, place: Place, values: Values, gear_k: Array, since_start: Array) -> Array:
         """Return the logarithm of that share, shape (T,).
 
@@ -166,7 +168,6 @@ class _Falling(OnFriction):
             gear_k: Shape (T,) [K], of its gearbox.
             since_start: Shape (T,) [s], from the start of the campaign.
         """
-        raise NotImplementedError
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
         rich = {place.index for place in (*with_coulomb(compiled), *with_rolling(compiled))}
@@ -244,13 +245,12 @@ class FrictionWarming(_Falling):
         return _step(conditions.time_s)
 
     def _rise(self, place: Place, values: Values, gear_k: Array, since_start: Array) -> Array:
-        step = np.round(since_start / STEP_S)
-        return -values["rate"] * (STEP_S * step - place.about_s) / HOUR
+        return -values["rate"] * (STEP_S * np.round(since_start / STEP_S) - place.about_s) / HOUR
 
 
 def _step(time_s: float) -> int:
     """Return the step of time in which friction is one level."""
-    return int(np.round(time_s / STEP_S))
+    return round(time_s / STEP_S)
 
 
 def _drag(place: Place, followed: Followed, coefficient: float) -> Torques:

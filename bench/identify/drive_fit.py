@@ -165,8 +165,8 @@ def _told_by_slope(own: Array, errors: Array, slope: Array, noise: Array, normal
 
     Fitted all at once, factors come out too small: what is not known of z adds to its square, and large slopes (a light
     arm) make all of z small. Integrated over z and c, the posterior of the slopes is that of the best z and c times the
-    root of the determinant of their covariance, which has no such bias. Nothing is
-    stated of a payload that it could be small against, so it does not count.
+    root of the determinant of their covariance, which has no such bias. Nothing is stated of a payload that it could be
+    small against, so it does not count.
     """
     count, size = own.shape[2], errors.shape[2]
     given = np.ones(len(normal), dtype=np.bool_)

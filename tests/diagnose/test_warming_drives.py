@@ -5,18 +5,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.diagnose.diagnose import diagnose
-from bench.diagnose.verdict import Verdict
+from bench.diagnose.diagnose import Diagnosis, diagnose
 from bench.effects.catalogue import LEFT_OUT, catalogue
 from bench.identify.dynamics.first_pass import first_pass
 from bench.record.campaign import Array, Campaign, Run
-from bench.robot.compiled import CompiledRobot
+from bench.report.diagnosis.write import write_diagnosis
+from bench.robot.compiled import CompiledRobot, compile_robot
+from bench.robot.folder import load_robot
 from bench.robot.nominal_dynamics import nominal_dynamics
 from bench.robot.starter.folder import start_robot
 from bench.robot.starter.source import read_source
 from tests.stranger import COULOMB, VISCOUS, mjcf, moved
 
 LISTED = (*LEFT_OUT, "rolling_friction", "load_friction", "stribeck", "torque_constant", "friction_warming")
+RUNS = 5
 APART = 300.0  # [s], from run to run
 SETTLES = 900.0  # [s]
 
@@ -27,10 +29,10 @@ def compiled(tmp_path: Path) -> CompiledRobot:
     return start_robot("arm", read_source(tmp_path / "arm.xml"), tmp_path / "arm").compiled
 
 
-def verdict_of(compiled: CompiledRobot, share: float, runs: int = 5) -> Verdict:
-    """Return what is said of an arm whose second drive has lost a share of its friction in the end."""
+def warmed_up(share: float) -> Campaign:
+    """Return five runs of an arm whose second drive has lost a share of its friction in the end."""
     rng, every = np.random.default_rng(4), []
-    for k in range(runs):
+    for k in range(RUNS):
         motion = moved(rng, seconds=12.0, swing=2.0)
         torque = motion.torque.copy()
         torque[:, 1] += (level(k * APART + motion.time, share) - 1) * friction(motion.velocity[:, 1])
@@ -38,10 +40,13 @@ def verdict_of(compiled: CompiledRobot, share: float, runs: int = 5) -> Verdict:
         columns |= {f"q_motor_{j + 1}_rad": motion.position[:, j] for j in range(3)}
         columns |= {f"tau_motor_{j + 1}_nm": torque[:, j] for j in range(3)}
         every.append(Run(f"run{k}", "motion", APART * k, columns))
-    campaign = Campaign("warming", tuple(every))
+    return Campaign("warming", tuple(every))
+
+
+def diagnosed(compiled: CompiledRobot, campaign: Campaign) -> Diagnosis:
     first = first_pass(campaign, nominal_dynamics(compiled))
     effects = {name: catalogue()[name] for name in LISTED}
-    return diagnose(campaign, compiled, effects, proposes=False, first=first).verdict
+    return diagnose(campaign, compiled, effects, proposes=False, first=first)
 
 
 def level(since: Array, share: float) -> Array:
@@ -55,15 +60,25 @@ def friction(velocity: Array) -> Array:
 LEFT = {(name, f"joint {j}") for name in ("coulomb_friction", "viscous_friction") for j in (1, 2, 3)}
 
 
-def test_it_is_named_at_its_drive_with_its_size(compiled: CompiledRobot) -> None:
+def test_it_is_named_at_its_drive_and_friction_of_the_middle_is_handed_over(
+    compiled: CompiledRobot, tmp_path: Path
+) -> None:
     """Of drives that warmed up by a tenth, "nothing that was tried explains that" was all that a verdict said."""
-    best = verdict_of(compiled, 0.2).explanations[0]
+    campaign = warmed_up(0.2)
+    found = diagnosed(compiled, campaign)
+    best = found.verdict.explanations[0]
     assert {cause.name for cause in best.causes} == {*LEFT, ("friction_warming", "joint 2")}
     (rate,) = next(cause for cause in best.causes if cause.effect == "friction_warming").parameters
-    times = APART * np.arange(5) + 6.0
+    times = APART * np.arange(RUNS) + 6.0
     true = -3600 * np.polyfit(times, np.log(level(times, 0.2)), 1)[0]  # [1/h], the steady fall that is nearest
     assert rate.low < true < rate.high
+    (out := tmp_path / "out").mkdir()
+    write_diagnosis(found, out, campaign)
+    handed = compile_robot(load_robot(out / "robot"))
+    middle = np.exp(np.mean(np.log(level(times, 0.2))))
+    assert handed.motor_coulomb[1] == pytest.approx(middle * COULOMB[1], rel=0.03)  # it began with a tenth more
 
 
 def test_friction_that_stays_is_said_to_stay(compiled: CompiledRobot) -> None:
-    assert {cause.name for cause in verdict_of(compiled, 0.0).explanations[0].causes} == LEFT
+    best = diagnosed(compiled, warmed_up(0.0)).verdict.explanations[0]
+    assert {cause.name for cause in best.causes} == LEFT

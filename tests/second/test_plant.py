@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from bench.diagnose.replay.quantities import quantities_of
+from bench.diagnose.replay.quantities import Quantity, quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
 from bench.diagnose.replay.world import NOMINAL
@@ -157,19 +157,24 @@ WRONG = (
 )
 
 
-@pytest.mark.parametrize(("name", "where"), WRONG)
-def test_both_plants_get_readings_wrong_alike(compiled: CompiledRobot, name: str, where: str) -> None:
-    """Signs, axes and units are those of the catalogue."""
-    effect = catalogue()[name]
-    (place,) = (place for place in LAB.places(effect, compiled) if str(place) == where)
-    acting = Acting(effect, place, {p.name: p.high * (1 + i) / 3 for i, p in enumerate(effect.parameters)})
+def told_and_read(compiled: CompiledRobot, acting: Acting) -> tuple[tuple[Quantity, ...], np.ndarray, np.ndarray]:
+    """Return quantities, and by how much an effect changes them in the bench's replay and in the second plant."""
     session = LAB.scenario().without("rotations", "line", "dwell")
     before, after = (second(*one, session=session).campaign for one in ((), (acting,)))
     quantities = quantities_of(before.runs, compiled)
     replay = Replay(compiled, segments_of(before, compiled, quantities, 400), quantities)
     told = replay.predict(Hypothesis(acting=(acting,))) - replay.predict(NOMINAL)
     read = np.concatenate([segment.observed for segment in segments_of(after, compiled, quantities, 400)])
-    read -= np.concatenate([segment.observed for segment in replay.segments])
+    return quantities, told, read - replay.observed
+
+
+@pytest.mark.parametrize(("name", "where"), WRONG)
+def test_both_plants_get_readings_wrong_alike(compiled: CompiledRobot, name: str, where: str) -> None:
+    """Signs, axes and units are those of the catalogue."""
+    effect = catalogue()[name]
+    (place,) = (place for place in LAB.places(effect, compiled) if str(place) == where)
+    acting = Acting(effect, place, {p.name: p.high * (1 + i) / 3 for i, p in enumerate(effect.parameters)})
+    quantities, told, read = told_and_read(compiled, acting)
     seen = np.isfinite(read)
     assert np.max(np.abs(told[seen])) > 0
     for c in range(len(quantities)):
@@ -181,13 +186,7 @@ def test_both_plants_get_readings_wrong_alike(compiled: CompiledRobot, name: str
 def test_both_plants_rock_on_a_soft_base_alike(compiled: CompiledRobot) -> None:
     """Links that are accelerated push the foot too; without that a rocking base was named with links that are none."""
     acting = Acting(catalogue()["base_compliance"], WHOLE, {"compliance": 1.7e-7})
-    session = LAB.scenario().without("rotations", "line", "dwell")
-    before, after = (second(*one, session=session).campaign for one in ((), (acting,)))
-    quantities = quantities_of(before.runs, compiled)
-    replay = Replay(compiled, segments_of(before, compiled, quantities, 400), quantities)
-    told = replay.predict(Hypothesis(acting=(acting,))) - replay.predict(NOMINAL)
-    read = np.concatenate([segment.observed for segment in segments_of(after, compiled, quantities, 400)])
-    read -= np.concatenate([segment.observed for segment in replay.segments])
+    quantities, told, read = told_and_read(compiled, acting)
     for c, quantity in enumerate(quantities):
         if quantity.column.startswith("reflector"):
             assert np.nanmax(np.abs(read[:, c] - told[:, c])) < ALIKE * np.nanmax(np.abs(told[:, c]))
