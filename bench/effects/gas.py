@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.effects.conditions import REFERENCE_K, Conditions
 from bench.effects.effect import WHOLE, Effect, Parameter, Place, Values
-from bench.effects.geometry_at_zero import AtZero
+from bench.effects.geometry_at_zero import length_at_zero
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 from bench.robot.plugins import attributes_of, configure, number_of
@@ -46,7 +46,7 @@ class PolytropicExponent(OfGas):
 
         def change(spec: mujoco.MjSpec, robot: Robot) -> None:
             actuator, tendon = _names(robot)
-            reference = AtZero(spec).length(tendon)
+            reference = length_at_zero(spec, tendon)
             configure(spec, actuator, exponent=exponent, reference_length=reference)
 
         return change if exponent != 1 else None
@@ -138,7 +138,7 @@ class SealFriction(OfGas):
 
         def change(spec: mujoco.MjSpec, robot: Robot) -> None:
             actuator, tendon = _names(robot)
-            gap = number_of(spec, actuator, "critical_length") - AtZero(spec).length(tendon)
+            gap = number_of(spec, actuator, "critical_length") - length_at_zero(spec, tendon)
             pull = number_of(spec, actuator, "constant") / gap
             configure(spec, actuator, seal_friction=share, seal_presliding=share * pull / SEAL_TRAVEL)
 

@@ -78,6 +78,19 @@ class AtZero:
         return body == other
 
 
+def length_at_zero(spec: mujoco.MjSpec, tendon: str) -> float:
+    """Return the length of a tendon of a spec [m]; where things are is the same in most robots that a fit tries.
+
+    Raises:
+        RobotError: As `AtZero`.
+    """
+
+    def length() -> float:
+        return AtZero(spec).length(tendon)
+
+    return spec.of_places(tendon, length) if isinstance(spec, SpecOverlay) else length()
+
+
 def across(axis: Array) -> tuple[Array, Array]:
     """Return two unit vectors that stand at right angles to an axis and to each other."""
     first = np.eye(3)[int(np.argmin(np.abs(axis)))]

@@ -45,6 +45,7 @@ OF_FRICTION = {  # what a compiled robot has of its friction elements: side, and
     "motor_stribeck": ("motor", "stribeck_velocity"),
     "link_stribeck": ("link", "stribeck_velocity"),
 }
+MOST_PLACES = 64  # sets of places of which numbers are kept
 MOST_WAYS = 8  # first steps, for each of which the last robot's steps are remembered
 
 
@@ -130,6 +131,7 @@ class Structure:
         self._lock = RLock()
         self._last = local()
         self._robots: Recent[tuple[Hashable, ...], CompiledRobot] = Recent(MOST_ROBOTS)
+        self.of_places: Recent[Hashable, float] = Recent(MOST_PLACES)
         self._values: dict[tuple[Handle, str], Any] = {}
         self._blanks: dict[Add, Blank] = {}
         self._structures: Recent[Hashable, CompiledStructure] = Recent(MOST_STRUCTURES)

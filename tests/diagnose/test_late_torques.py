@@ -48,7 +48,7 @@ def late(seconds: float, place: Place = WHOLE) -> Acting:
     return Acting(DELAYS["drive_delay" if place == WHOLE else "channel_delay"], place, {"delay": seconds})
 
 
-@pytest.mark.parametrize("seconds", [0.005, -0.012])
+@pytest.mark.parametrize("seconds", [0.005, -0.012, 0.0033])
 def test_a_late_torque_is_that_of_the_motion_before(seconds: float) -> None:
     campaign = made(SWEEPS, seed=3)
     here, place = replay_of(campaign)

@@ -9,6 +9,7 @@ from scipy.integrate import trapezoid
 from scipy.stats import multivariate_normal, norm
 
 from bench.diagnose.linearise.marginal import Nuisances
+from bench.diagnose.name import search as search_module
 from bench.diagnose.name.search import WINDOW, Subset, alternatives_of, exchanges, search
 from bench.diagnose.name.subset_posterior import SubsetPosterior, Term
 
@@ -165,3 +166,26 @@ def test_no_subset_has_a_size_beyond_what_is_plausible() -> None:
     found = search(bound)
     assert all(0 not in subset.terms for subset in (*found, *exchanges(bound, found[0])))
     assert bound.log_posterior((0, 1)) == -np.inf
+
+
+def test_what_cannot_be_replaced_is_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of twenty findings most have no other name: it is looked for once, and what has one is found all the same."""
+    rng = np.random.default_rng(7)
+    columns = rng.standard_normal((M, 12))
+    columns[:, 11] = columns[:, 10] + 0.005 * rng.standard_normal(M)  # the eleventh may as well be the twelfth
+    white = columns[:, :11] @ np.full(11, 40.0) + rng.standard_normal(M)
+    model = model_of(columns, white, np.zeros((M, P)), (0.0,) * 12, 50.0)
+    start, asked = tuple(range(11)), list[tuple[int, ...]]()
+    additions = SubsetPosterior.additions
+    monkeypatch.setattr(
+        SubsetPosterior, "additions", lambda self, which: asked.append(tuple(which)) or additions(self, which)
+    )
+    found = {one.terms: one.log_posterior for one in search(model, [start])}
+    few = len(asked)
+    assert (*range(10), 11) in found
+    asked.clear()
+    monkeypatch.setattr(search_module, "IRREPLACEABLE", np.inf)
+    every = {one.terms: one.log_posterior for one in search(model, [start])}
+    assert few < len(asked) / 2
+    near = {terms for terms, value in every.items() if value > max(every.values()) - WINDOW}
+    assert near <= found.keys()

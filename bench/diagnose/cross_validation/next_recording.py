@@ -52,7 +52,7 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
     folds = apart(linear, folds_of(linear))
     of_campaign = np.array([not nuisance.is_simulated for nuisance in linear.nuisances], dtype=bool)
     error = errors_of_folds(linear, fit, tangent_of(linear, fit), folds, unknown=of_campaign)
-    drifts = {**changes_of(linear, fit, "drifts"), **errors_found(linear, fit, _is_of_recording)}
+    drifts = {**changes_of(linear, fit, "drifts"), **errors_found(linear, fit, _is_not_handed_over)}
     set_up = {**changes_of(linear, fit, "anew"), **errors_found(linear, fit, _is_set_up)}
     segments = linear.segments
     is_static = at_each_instant(segments, [segment.is_static for segment in segments])
@@ -139,8 +139,8 @@ def changes_of(linear: LinearisedModel, fit: Fit, between: Literal["drifts", "an
 def errors_found(linear: LinearisedModel, fit: Fit, is_meant: Callable[[Effect], bool]) -> Mapping[str, Array]:
     """Return what each error of the last recording that was found changes in its readings, shape (T, c) each.
 
-    A channel whose scale is wrong, a tracker that was set up askew: the next recording has another such error, or none.
-    A payload is none of them: a lab knows what it bolts on.
+    A channel whose scale is wrong, a tracker that was set up askew, friction that fell while drives warmed up: the next
+    recording has another such error, or none. A payload is none of them: a lab knows what it bolts on.
 
     Args:
         linear: The campaign.
@@ -159,8 +159,9 @@ def errors_found(linear: LinearisedModel, fit: Fit, is_meant: Callable[[Effect],
     return found
 
 
-def _is_of_recording(effect: Effect) -> bool:
-    return effect.level == "recording"
+def _is_not_handed_over(effect: Effect) -> bool:
+    """Whether an effect is of a recording or of its time, and no slip of who wrote down what was bolted on."""
+    return effect.level != "machine" and type(effect).log_error is Effect.log_error
 
 
 def _is_set_up(effect: Effect) -> bool:

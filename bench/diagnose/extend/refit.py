@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from math import inf
 
 import numpy as np
 
@@ -24,6 +25,7 @@ MOST_PLAYS = 4  # effort: fits in turn, each with the scatter that the play of t
 MATTERS = 2.0  # effort: what a step falls short of its promise by, from where derivatives of nuisances are taken too
 POOR = 0.3  # effort: of the promised fall; corrected derivatives that keep less are taken anew
 MOVED = 0.1  # effort: of its standard deviation; a step that moves a nuisance less did not fail for its derivative
+HOPELESS = 30.0  # effort: [nats], beyond twice what the next step promises, by which a fit may be behind and go on
 FAITHFUL = 0.7  # effort: of the promised fall; derivatives that keep less are taken anew, or corrected
 
 
@@ -50,6 +52,15 @@ class _Point:
     errors: Array | None = None
 
 
+@dataclass(frozen=True)
+class _How:
+    """How far a fit goes; `settles`, `renews` and `least` as of `refit`."""
+
+    settles: bool = True
+    renews: bool = True
+    least: float = -inf
+
+
 def refit(
     linear: LinearisedModel,
     causes: tuple[Cause, ...],
@@ -60,6 +71,7 @@ def refit(
     errors: Array | None = None,
     settles: bool = True,
     renews: bool = True,
+    least: float = -inf,
     progress: Progress = ignore,
 ) -> Fit:
     """Fit an extension by Gauss-Newton, with a simulation for every residual and every derivative of its parameters.
@@ -79,6 +91,7 @@ def refit(
         settles: Whether a fit whose derivatives are doubtful at its end ends with those of all nuisances
             about itself, which takes a simulation for each. `refitted` does that later.
         renews: Whether derivatives that do not keep what they promise are taken anew; else steps alone correct them.
+        least: Log evidence that another model has. A fit that is far behind and has no step that leads there ends.
         progress: Called before every simulation; what it raises ends the fit.
 
     Raises:
@@ -90,7 +103,7 @@ def refit(
     x = np.zeros(len(linear.nuisances)) if nuisances is None else nuisances.copy()
     slopes, renewed = (known.slopes_of(unknowns), known.renewed) if known else ({}, {})
     point = _Point(np.clip(values, low, high), x, jacobian=slopes, renewed=renewed, errors=errors)
-    return _with_its_play(linear, causes, point, progress, settles=settles, renews=renews)
+    return _with_its_play(linear, causes, point, progress, _How(settles, renews, least))
 
 
 def refitted(linear: LinearisedModel, fit: Fit, progress: Progress = ignore) -> Fit:
@@ -104,7 +117,7 @@ def refitted(linear: LinearisedModel, fit: Fit, progress: Progress = ignore) -> 
     Raises:
         ConvergenceError, RobotError: As `refit`.
     """
-    return _with_its_play(linear, fit.causes, _point_of(fit), progress, settles=True, renews=True)
+    return _with_its_play(linear, fit.causes, _point_of(fit), progress, _How())
 
 
 def _point_of(fit: Fit) -> _Point:
@@ -117,16 +130,14 @@ def _with_its_play(
     causes: tuple[Cause, ...],
     point: _Point,
     progress: Progress,
-    *,
-    settles: bool,
-    renews: bool,
+    how: _How,
 ) -> Fit:
     """Fit an extension until the play that its scatter belongs to is the play that it finds."""
     unknowns = unknowns_of(causes)
     play = play_of(linear, causes, unknowns, point.values)
     for _ in range(MOST_PLAYS):
         objective = Objective(with_play(linear, play), causes, progress, point.errors)
-        fit = _fitted(objective, point, settles=settles, renews=renews)
+        fit = _fitted(objective, point, how)
         found = play_of(linear, causes, unknowns, fit.values)
         if scatters_alike(found, play):
             break
@@ -134,7 +145,7 @@ def _with_its_play(
     return fit
 
 
-def _fitted(objective: Objective, point: _Point, *, settles: bool, renews: bool) -> Fit:
+def _fitted(objective: Objective, point: _Point, how: _How) -> Fit:
     """Fit an extension to a design that knows its play."""
     if point.residual is None:
         first = objective.near(point.nuisances, point.values)
@@ -144,42 +155,41 @@ def _fitted(objective: Objective, point: _Point, *, settles: bool, renews: bool)
     linear = objective.linear
     has_new_play = bool(np.any(linear.scatter.play > linear.replay.compiled.play))
     is_doubtful = not point.is_settled or (has_new_play and not slopes.renewed)
-    state, slopes = _least(objective, first, replace(slopes, is_doubtful=is_doubtful), settles=settles, renews=renews)
+    state, slopes, is_hopeless = _least(objective, first, replace(slopes, is_doubtful=is_doubtful), how)
     has_all = slopes.all_at is not None
     is_settled = not slopes.is_doubtful or has_all
-    if (
-        renews and (slopes.is_doubtful or has_all) and slopes.at is not state
-    ):  # what is stated of the end rests on derivatives
+    is_stated = how.renews and not is_hopeless  # what is stated of the end rests on derivatives
+    if is_stated and (slopes.is_doubtful or has_all) and slopes.at is not state:
         with suppress(*NOT_SIMULATED):
             slopes = objective.derivatives(state, nuisances=slopes.renewed)
-    return _fit(objective, state, slopes, is_settled=is_settled)
+    return _fit(objective, state, slopes, is_settled=is_settled and not is_hopeless)
 
 
-def _least(
-    objective: Objective, state: State, slopes: Derivatives, *, settles: bool, renews: bool
-) -> tuple[State, Derivatives]:
-    """Return where the objective is least, and derivatives that lead no further.
+def _least(objective: Objective, state: State, slopes: Derivatives, how: _How) -> tuple[State, Derivatives, bool]:
+    """Return where the objective is least, derivatives that lead no further, and whether it was given up.
 
     Derivatives serve as long as steps fall as far as they promise. Else those of the unknowns are taken anew, where
     they are another fit's; then all are corrected by what the steps show. Where that does not help either, those of
     the nuisances that the step moves are taken anew too. What steps have corrected leads towards the optimum, but does
     not tell whether it is reached: a fit that is to settle takes all anew there, and goes on.
     """
-    for _ in range(MOST_TO_SETTLE if settles else MOST_ITERATIONS):
+    for _ in range(MOST_TO_SETTLE if how.settles else MOST_ITERATIONS):
         step, promised = _step(objective, state, slopes)
+        if _log_evidence(objective, state.objective - 2 * promised, slopes) < how.least - HOPELESS:
+            return state, slopes, True
         before = state
         if promised >= ENOUGH:
             state = _downhill(objective, state, slopes, step)
             if before.objective - state.objective >= FAITHFUL * promised:
                 continue
         try:
-            better = _better(objective, slopes, before, state, step, promised, settles=settles, renews=renews)
+            better = _better(objective, slopes, before, state, step, promised, how)
         except NOT_SIMULATED:  # no balance to either side: the derivatives so far have to do
             break
         if better is None:
             break
         slopes = better
-    return state, slopes
+    return state, slopes, _log_evidence(objective, state.objective, slopes) < how.least - HOPELESS
 
 
 def _better(
@@ -189,14 +199,12 @@ def _better(
     state: State,
     step: Array,
     promised: float,
-    *,
-    settles: bool,
-    renews: bool,
+    how: _How,
 ) -> Derivatives | None:
     """Return better derivatives at a state than those that promised a step to it, or None where none are worth it."""
     fell = before.objective - state.objective
     matters = promised - fell > MATTERS
-    if not renews:
+    if not how.renews:
         return objective.corrected(slopes, before, state) if min(promised, fell) >= ENOUGH else None
     if promised >= ENOUGH:
         if slopes.at is None:
@@ -207,9 +215,16 @@ def _better(
         if matters and slopes.renewed_at is not state:
             moved = np.abs(step[: len(state.nuisances)]) > MOVED
             return objective.all_derivatives(state, moved, slopes)
-    if settles and slopes.all_at is not state and (matters or (slopes.is_doubtful and slopes.all_at is None)):
+    if how.settles and slopes.all_at is not state and (matters or (slopes.is_doubtful and slopes.all_at is None)):
         return objective.all_derivatives(state)
     return None
+
+
+def _log_evidence(objective: Objective, least: float, slopes: Derivatives) -> float:
+    """Return the logarithm of the marginal likelihood about a least value of the objective, as of a fit."""
+    _, determinant = np.linalg.slogdet(slopes.precision)
+    evidence = -0.5 * (least + float(determinant)) - float(np.sum(np.log(objective.sigma)))
+    return evidence + float(np.sum(objective.linear.log_determinants))
 
 
 def _step(objective: Objective, state: State, slopes: Derivatives) -> tuple[Array, float]:
@@ -252,8 +267,6 @@ def _fit(objective: Objective, state: State, slopes: Derivatives, *, is_settled:
     if promised >= ENOUGH or not _balances(objective, state, step):
         step, promised = np.zeros_like(step), 0.0
     least = state.objective - promised
-    _, determinant = np.linalg.slogdet(slopes.precision)
-    evidence = -0.5 * (least + float(determinant)) - float(np.sum(np.log(objective.sigma)))
     found = Fit(
         causes=objective.causes,
         unknowns=objective.unknowns,
@@ -261,7 +274,7 @@ def _fit(objective: Objective, state: State, slopes: Derivatives, *, is_settled:
         covariance=np.asarray(np.linalg.inv(slopes.precision)[p:, p:], dtype=np.float64),
         nuisances=state.nuisances + step[:p],
         objective=least,
-        log_evidence=evidence + float(np.sum(linear.log_determinants)),
+        log_evidence=_log_evidence(objective, least, slopes),
         residual=state.residual,
         jacobian=slopes.jacobian,
         play=linear.scatter.play,

@@ -4,6 +4,7 @@ from collections.abc import Callable, Hashable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
+from math import inf
 
 import numpy as np
 
@@ -32,6 +33,7 @@ class CandidateModel:
         nuisances: First values, shape (p,), without those of the shape; None: zeros.
         log_odds: Logarithm of the prior odds of each cause, in their order, and of the shape, if there is one.
         known: Fit near the start, whose derivatives will do as long as they promise what comes true; or None.
+        least: As of `refit`.
     """
 
     causes: tuple[Cause, ...]
@@ -40,6 +42,7 @@ class CandidateModel:
     nuisances: Array | None
     log_odds: tuple[float, ...]
     known: Fit | None = None
+    least: float = -inf
 
     @property
     def keys(self) -> frozenset[Hashable]:
@@ -72,7 +75,8 @@ def fit_of(plain: LinearisedModel, candidate: CandidateModel, progress: Progress
         linear = with_shape(plain, candidate.shape)
         if nuisances is not None:
             nuisances = np.concatenate([nuisances, np.zeros(len(linear.nuisances) - len(nuisances))])
-    fits = partial(refit, linear, candidate.causes, nuisances=nuisances, known=known, settles=False, progress=progress)
+    quickly = partial(refit, linear, settles=False, least=candidate.least, progress=progress)
+    fits = partial(quickly, candidate.causes, nuisances=nuisances, known=known)
     try:
         if elsewhere := starts_elsewhere(candidate):
             best = _best_of(partial(fits, renews=False), candidate.start, elsewhere)
@@ -82,7 +86,7 @@ def fit_of(plain: LinearisedModel, candidate: CandidateModel, progress: Progress
         if found is None:
             return None
         while len(needed := needed_of(found)) < len(found.causes):
-            found = refit(linear, needed, found.start, found.nuisances, found, settles=False, progress=progress)
+            found = quickly(needed, found.start, found.nuisances, found)
     except NOT_SIMULATED:
         return None
     kept = tuple(i for i, cause in enumerate(candidate.causes) if cause in found.causes)

@@ -3,6 +3,7 @@
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from math import inf
 
 import numpy as np
 
@@ -171,7 +172,8 @@ class Fitter:
 
         Where shapes have to be looked for, the first one does so for all that have the same causes.
         """
-        new = [self._begun(candidate) for candidate in new]
+        least = max((model.fit.log_evidence for model in self.models.values() if model), default=-inf)
+        new = [replace(self._begun(candidate), least=least) for candidate in new]
         fits = partial(fit_of, self.linear)
         if len(new) < 2 or new[0].shape or not starts_elsewhere(new[0]):
             return in_order(self.executor, fits, new)

@@ -216,7 +216,7 @@ class _Selection:
         found = alternatives_of(about.model, subsets.values())
         self.promising = tuple(cause for i in found[0].best.terms if (cause := about.cause(i)))
         self.causes = {cause.key: cause for cause in map(about.cause, range(len(about.what))) if cause}
-        known = self.best.fit if self.best.keys and not self.best.shape else None
+        known = self.best.fit if self.best.keys else None
         fitter = Fitter(self.linear, self.null, self.executor, known, settles=is_last, earlier=self.earlier)
         present = fitter.knows(self.best, about.candidate_of(about.present))
         others = proposed(about, found, LEADERS if is_last else LEADERS // 2, adds=adds, is_last=is_last)

@@ -57,6 +57,7 @@ class MotionReplay:
         segments: The campaign.
         tolerance: Of the torques on the links, where a balance counts as found.
         structure: The robot, ready to be changed, where another motion has it already.
+        near: A motion a few milliseconds away, whose balances will do to begin with, and its gas as it is; None: none.
     """
 
     def __init__(
@@ -65,6 +66,7 @@ class MotionReplay:
         segments: tuple[Segment, ...],
         tolerance: float = TOLERANCE,
         structure: Structure | None = None,
+        near: "MotionReplay | None" = None,
     ) -> None:
         self.compiled = compiled
         self.segments = segments
@@ -82,6 +84,10 @@ class MotionReplay:
         self._plans: Recent[Hashable, tuple[Course, ...]] = Recent(MOST_PLANS)
         self._gas: GasHistory | None = None  # not known before the nominal robot was followed
         self._gas_rises: Recent[Counterbalance, Array] = Recent(MOST_GASES)
+        self._found: Array
+        if near:
+            self._found, self._gas = near._found, near._gas
+            return
         nominal = self._courses(NOMINAL)
         # where links and passive hinges of the nominal robot balance; every search starts there
         self._found = np.zeros((sum(len(segment.motion) for segment in segments), 2, 0))

@@ -131,7 +131,7 @@ class Replay(MotionReplay):
 
         def motion() -> MotionReplay:
             segments = tuple(segment.earlier(seconds) for segment in self.segments)
-            return MotionReplay(self.compiled, segments, self._tolerance, self._structure)
+            return MotionReplay(self.compiled, segments, self._tolerance, self._structure, near=self)
 
         return self._earlier.get(seconds, motion)
 

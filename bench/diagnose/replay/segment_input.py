@@ -16,6 +16,7 @@ from bench.robot.compiled import CompiledRobot
 from bench.simulate.prescribed import Motion
 
 SAMPLES_OF_SPEED = 5  # exact: as many as motion is differentiated over at least
+STEP_S = 1e-3  # rounding: [s], between delays at which motion is known; a cubic errs by 1e-3 of what they change
 SAMPLES_OF_PARABOLA = 4  # exact: fewer samples have no curvature to speak of
 
 
@@ -85,8 +86,28 @@ class Path:
         return np.asarray(angles @ self._moved(seconds))
 
     def motion_earlier(self, seconds: float) -> tuple[Array, Array, Array]:
-        """Return by how much angles, speeds and accelerations were other ones some time before, shape (T, n) each."""
-        return self.motion_of(self._moved(seconds))
+        """Return by how much angles, speeds and accelerations were other ones some time before, shape (T, n) each.
+
+        A fit of delays asks for thousands of times. What is averaged over samples changes smoothly with them, so it is
+        made at whole milliseconds, and a cubic runs through the four that are nearest.
+        """
+        first = int(np.floor(seconds / STEP_S)) - 1
+        parts = [self._at_step(first + k) for k in range(4)]
+        weights = np.linalg.solve(
+            np.vander(np.arange(4.0), increasing=True).T, (seconds / STEP_S - first) ** np.arange(4)
+        )
+        angles, speeds, accelerations = (np.tensordot(weights, np.stack(part), 1) for part in zip(*parts, strict=True))
+        return angles, speeds, accelerations
+
+    def _at_step(self, step: int) -> tuple[Array, Array, Array]:
+        """Return `motion_earlier` at a whole number of steps."""
+        if step not in self._at_steps:
+            self._at_steps[step] = self.motion_of(self._moved(step * STEP_S))
+        return self._at_steps[step]
+
+    @cached_property
+    def _at_steps(self) -> dict[int, tuple[Array, Array, Array]]:
+        return {}
 
     def motion_of(self, moved: Array) -> tuple[Array, Array, Array]:
         """Return what a change of the angles of every sample, shape (rows, n), changes at the instants that are read.

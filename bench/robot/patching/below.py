@@ -1,11 +1,12 @@
 """What an overlay asks of the spec that it lies on."""
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from typing import TYPE_CHECKING, Any, Protocol
 
 import mujoco
 
 from bench.robot.patching.parts import Add, Blank, Handle
+from bench.robot.recent import Recent
 
 if TYPE_CHECKING:
     from bench.robot.patching.overlay import SpecOverlay
@@ -29,6 +30,10 @@ class Below(Protocol):
     @property
     def users(self) -> Mapping[str, list[str]]:
         """Named plugin instance -> the actuators that use it, in the order of the spec."""
+
+    @property
+    def of_places(self) -> Recent[Hashable, float]:
+        """Numbers that depend on where things are alone, by what they are and what was moved or added."""
 
     def value(self, handle: Handle, attribute: str) -> Any:
         """Return an attribute of a part; an array is read-only."""

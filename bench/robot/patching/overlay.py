@@ -5,7 +5,7 @@ structure: parts added, names, kinds. Both are read back as if they had been don
 an array that an edit reads cannot be written to in place.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -61,6 +61,20 @@ class SpecOverlay:
     def compiled_with_data(self) -> tuple[mujoco.MjModel, mujoco.MjData]:
         """Return the model with everything that was noted so far, and fresh data for it."""
         return self._below.compiled_with_data(self)
+
+    def of_places(self, what: Hashable, make: Callable[[], float]) -> float:
+        """Return a number that depends on where things are and on nothing else, made anew where that was not kept.
+
+        Args:
+            what: Tells it from others.
+            make: Makes it.
+        """
+        moved = tuple(
+            (*key, np.asarray(value).tobytes())
+            for key, value in self.numbers.items()
+            if PATCHES[key[0].kind, key[1].partition(" ")[0]].moves
+        )
+        return self._below.of_places.get((what, tuple(self.operations), moved), make)
 
     @property
     def option(self) -> Part:
