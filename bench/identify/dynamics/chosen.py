@@ -20,6 +20,7 @@ from bench.record.campaign import Array
 SURELY = float(np.log(100.0))
 RARE = SURELY + float(np.log(10.0))  # declared: who has a machine with a balancer knows of it, who has cables may not
 WANTED = {"viscous_difference": 0.0, "rolling": SURELY, "load": SURELY, "spring": SURELY, "balancer": RARE}
+WANTED["warming"] = SURELY
 # effort: of choosing widths anew with the noise that is left; a term that was found sharpens what tells the next
 CHOICES = 5
 ROUNDS = 2  # effort: of asking by how much the model errs beside its data; a third changes a tenth of that
@@ -166,12 +167,20 @@ def _readings(solution: Solution, drive: int, parameters: Array) -> float:
     return one.weight * float(np.sum((one.response(solution.delay) - one.factors @ parameters[one.rows.index]) ** 2))
 
 
+def _shows(solution: Solution, drive: int, place: int, prior: Prior) -> bool:
+    """Whether any row of a drive would show something optional, if it may be there."""
+    rows = solution.drives[drive].rows
+    return bool(np.any(rows.constant[:, np.diag(prior.optional[place])[rows.index] > 0]))
+
+
 def _with_optional(
     solution: Solution, beside: Missed, drive: int, prior: Prior, folds: Folds
 ) -> tuple[Solution, Missed]:
     """Return a solution with what one drive has of `OPTIONAL`, the most wanted first, and what it misses."""
     n = len(solution.noise)
-    left = set(range(drive, n * OPTIONAL.index("presliding"), n))
+    left = {
+        place for place in range(drive, n * OPTIONAL.index("presliding"), n) if _shows(solution, drive, place, prior)
+    }
     wanted: dict[int, tuple[float, Widths]] = {}  # beside the solution as it is
     while left:
         wanted = wanted or {place: _most_wanted(solution, drive, place, prior) for place in left}

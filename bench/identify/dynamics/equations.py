@@ -1,13 +1,14 @@
 """The linear equations of a stretch of motion, model and data through the same filter.
 
     tau = Y(q, v, a) pi + J_r a + (F_c + F_v |v| + F_r |v|^(2/3) + F_l |t|) sign(v) + F_p (z - sign(v))
-          + F_d |v| + c q + B w(q) + offset + g M(q) + S x + l (G(q) pi + G_f(q) m) - J_f^T W
+          + F_d |v| - r h F + c q + B w(q) + offset + g M(q) + S x + l (G(q) pi + G_f(q) m) - J_f^T W
 
 for each drive: pi inertial parameters of the links, J_r rotor inertia, F_c Coulomb and F_v viscous friction, F_d half
 the difference of viscous friction between the directions (that of Coulomb friction cannot be told from the offset),
 F_r rolling friction of lubricated bearings (`bench/actuators/README.md`), which bends over speed, F_l friction that
 grows with the torque t that the gear passes on (`gear_load.py`), c the stiffness of a dress pack, B w(q) a balancer
-(`balancer.py`), F_p friction that turns late and z the share of it that there is (`presliding.py`), g the gas of the
+(`balancer.py`), F_p friction that turns late and z the share of it that there is (`presliding.py`), r the share of all
+friction F that it loses in an hour, h hours after the middle of its recording (`warming.py`), g the gas of the
 counterbalance with its nominal torque M, x how much softer gears are than stated and S what their winding adds
 (`bending.py`), l how far gravity leans and G what links weigh across it, G_f known masses m (`leaning.py`), W the known
 load.
@@ -43,12 +44,13 @@ DRIVE_COLUMNS = (
     "balancer_cos_2",
     "balancer_sin_3",
     "balancer_cos_3",
+    "warming",
     "presliding",
     "offset",
 )
 BALANCER = tuple(name for name in DRIVE_COLUMNS if name.startswith("balancer"))  # a spring on a lever (`balancer.py`)
 # what a drive has where evidence and held-out errors want it
-OPTIONAL = ("viscous_difference", "rolling", "load", "spring", "balancer", "presliding")
+OPTIONAL = ("viscous_difference", "rolling", "load", "spring", "balancer", "warming", "presliding")
 GAS_SHAPE = ("critical_length", "dead_centre", "rho", "b")  # of `Counterbalance`
 # assumed: share of what a thinned sample is made of in which a joint has to move; half blurs the turns in
 MOSTLY = 0.8
@@ -63,9 +65,10 @@ class Equations:
         time: Shape (T,) [s].
         position: Shape (T, n), filtered.
         links: Shape (T, n, 10 n), factors of the links' inertial parameters.
-        drives: Shape (T, n, 15), factors of `DRIVE_COLUMNS`, each of its own drive only; zero for "load" until there
-            are links whose torque gears pass on (`gear_load.py`), for "presliding" until there is a travel over which
-            friction turns (`presliding.py`), and for balancers of slides.
+        drives: Shape (T, n, 16), factors of `DRIVE_COLUMNS`, each of its own drive only; zero for "load" until there
+            are links whose torque gears pass on (`gear_load.py`), for "warming" until there is friction that falls
+            (`warming.py`), for "presliding" until there is a travel over which friction turns (`presliding.py`), and
+            for balancers of slides.
         gas: Shape (T, 1 + 4), motor torque against the nominal gas, and its derivatives by `GAS_SHAPE`; zeros without a
             counterbalance.
         winding: Shape (T, n, n) [Nm], what the winding of each gear, stiff as stated, adds to each drive; zeros until
@@ -132,7 +135,7 @@ def equations_of(samples: MotionSamples, band: Band, arm: Arm, nominal: NominalD
 def drive_columns(
     position: Array, velocity: Array, acceleration: Array, passed: Array, turned: Array, hinges: NDArray[np.bool_]
 ) -> Array:
-    """Return the factors of `DRIVE_COLUMNS` before the filter, shape (T, n, 15).
+    """Return the factors of `DRIVE_COLUMNS` before the filter, shape (T, n, 16).
 
     Args:
         position: Shape (T, n).
@@ -152,6 +155,7 @@ def drive_columns(
         "load": way * np.abs(passed),
         "spring": position,
         **dict(zip(BALANCER, np.moveaxis(balancer_columns(position, hinges), 2, 0), strict=True)),
+        "warming": np.zeros_like(velocity),
         "presliding": turned - way,
         "offset": np.ones_like(velocity),
     }

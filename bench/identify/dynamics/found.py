@@ -23,6 +23,7 @@ from bench.identify.dynamics.prior import Prior
 from bench.identify.dynamics.rows import DriveRows, rows_of
 from bench.identify.dynamics.samples import MotionSamples, motion_samples
 from bench.identify.dynamics.solve import Solution
+from bench.identify.dynamics.warming import FallingFriction
 from bench.identify.dynamics.widths import NONE
 from bench.record.campaign import Array, Campaign
 from bench.robot.nominal_dynamics import NominalDynamics
@@ -67,6 +68,7 @@ class FirstPass:
         base: Its base parameters.
         band: The filter that model and data passed.
         rubbing: The arm whose torque friction grows with.
+        friction: That may fall during what was fitted.
         travel: Shape (n,) [rad] or [m], over which friction turns where it turns late; elsewhere it means nothing.
         bending: How its gears wind up; None where what was held out is not surely predicted better for it.
         leans: Whether its gravity leans, because what was held out is surely predicted better so.
@@ -85,6 +87,7 @@ class FirstPass:
     base: BaseParameters
     band: Band
     rubbing: FoundArm
+    friction: FallingFriction
     travel: Array
     bending: Bending | None
     leans: bool
@@ -143,11 +146,18 @@ class FirstPass:
         given = self.layout, band or self.band, self.arm, self.nominal
         return rows_of(stretches, *given)
 
-    def equations(self, samples: MotionSamples, band: Band | None = None) -> Equations:
-        """Return the equations of a stretch that passes `band`, by default that of the fit."""
+    def equations(self, samples: MotionSamples, band: Band | None = None, *, is_fitted: bool = True) -> Equations:
+        """Return the equations of a stretch that passes `band`, by default that of the fit.
+
+        Args:
+            samples: The stretch.
+            band: The filter.
+            is_fitted: Whether it is one of those that were fitted; another has friction of the middle of these.
+        """
         band = band or self.band
         every = loaded([equations_of(samples, band, self.arm, self.nominal, self.top_speed)], self.rubbing, band)
         (found,) = late(every, self.travel, band)
+        found = self.friction.falling(found) if is_fitted else found
         found = bent(found, self.bending, band) if self.bending else found
         return leaning([found], self.arm, self.nominal)[0] if self.leans else found
 
@@ -158,7 +168,7 @@ class FirstPass:
             InputError: It has no motion with torques.
         """
         samples = motion_samples(campaign, self.nominal)
-        found = [self.equations(part) for part in samples]
+        found = [self.equations(part, is_fitted=False) for part in samples]
         return self.torques([part for part in found if len(part)])
 
     def torques(self, stretches: Sequence[Equations]) -> Torques:

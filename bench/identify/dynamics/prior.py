@@ -21,6 +21,8 @@ UPPER = ((0, 0, 1, 0, 1, 2), (0, 1, 1, 2, 2, 2))  # exact: Pinocchio's order of 
 # assumed: [rad], as the catalogue has it of a floor: bases commonly are level to 0.1 to 0.5 deg, ISO 9283 as makers say
 LEVEL = 1e-2
 
+FASTEST = 1.0  # assumed: [1/h], share of its friction that a drive loses in an hour, as the catalogue has it
+
 
 @dataclass(frozen=True, eq=False)
 class Prior:
@@ -33,7 +35,7 @@ class Prior:
         scale: Shape (p, p), of the scales of torques.
         stated_offset: Shape (p, p), of offsets as far as they are stated.
         offset: Shape (n, p, p), of each drive's offset beyond that.
-        optional: Shape (6 n, p, p), of each of `OPTIONAL`, drive after drive.
+        optional: Shape (7 n, p, p), of each of `OPTIONAL`, drive after drive.
         free: Shape (p, p), of all others.
     """
 
@@ -160,6 +162,7 @@ def prior_of(layout: Layout, nominal: NominalDynamics, arm: Arm, torque_rms: Arr
         "load": {"load": np.ones(n)},  # of what a gear passes on, friction cannot take more
         "spring": {"spring": springs, "offset": torque_rms},  # a dress pack rests anywhere in the range
         "balancer": dict(zip(BALANCER, balancer_sizes(arm).T, strict=True)),
+        "warming": {"warming": np.full(n, FASTEST)},
         "presliding": {"presliding": torque_rms},
     }
     offset, *optional = (np.zeros((n, layout.size, layout.size)) for _ in range(1 + len(OPTIONAL)))

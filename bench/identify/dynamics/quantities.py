@@ -27,6 +27,7 @@ DRIVE = {  # column -> name, its unit for a hinge and for a slide
     "balancer_cos_2": ("spring balancer, times cos 2q", "Nm", "N"),
     "balancer_sin_3": ("spring balancer, times sin 3q", "Nm", "N"),
     "balancer_cos_3": ("spring balancer, times cos 3q", "Nm", "N"),
+    "warming": ("friction that falls, share of it in an hour", "1/h", "1/h"),
     "presliding": ("presliding travel", "rad", "m"),
     "offset": ("torque offset", "Nm", "N"),
 }

@@ -30,6 +30,7 @@ class MotionSamples:
         torque: Shape (T, n) [Nm] or [N], of the motor at the joint; nan for drives without a reading.
         wrench: Shape (T, 6) [N, Nm], known load on the load point, world axes.
         load_mass: Shape (T,) [kg], mass that moves with the load point and whose weight is in `wrench`.
+        start: From the start of its recording to that of the run [s].
     """
 
     run: str
@@ -41,6 +42,7 @@ class MotionSamples:
     torque: Array
     wrench: Array
     load_mass: Array
+    start: float = 0.0
 
     def __len__(self) -> int:
         return len(self.time)
@@ -90,6 +92,7 @@ def _stretches(run: Run, nominal: NominalDynamics) -> Iterator[MotionSamples]:
             torque=torque[rows],
             wrench=wrench[rows],
             load_mass=mass[rows],
+            start=run.start_s,
         )
 
 

@@ -2,7 +2,7 @@
 
 Setting     what all fits share: parameters, prior, filter, folds
 |
-begun()         links with rigid gears, friction by what they pass on
+begun()         links with rigid gears, friction by what they pass on and by time
 turning_late()  friction that turns late (`presliding.py`)
 winding()       gears that wind up (`bending.py`)
 leaning()       a base out of level (`leaning.py`), about which all else is found anew
@@ -33,6 +33,7 @@ from bench.identify.dynamics.presliding import late, likeliest_travel
 from bench.identify.dynamics.prior import Prior
 from bench.identify.dynamics.rows import DriveRows, rows_of
 from bench.identify.dynamics.solve import Solution, solve
+from bench.identify.dynamics.warming import FallingFriction, friction_of
 from bench.identify.dynamics.widths import Widths
 from bench.record.campaign import Array
 from bench.robot.nominal_dynamics import NominalDynamics
@@ -48,6 +49,7 @@ class Fit:
         stretches: The equations, with all that the fit has.
         at_once: The same with friction that turns at once, rigid gears and a base as stated.
         rubbing: The arm by whose torques friction grows.
+        friction: That may fall.
         travel: Shape (n,) [rad] or [m], over which friction turns where it does.
         turns_late: Whether friction may turn late.
         bending: Gears that wind up; None: they are rigid.
@@ -59,6 +61,7 @@ class Fit:
     stretches: tuple[Equations, ...]
     at_once: tuple[Equations, ...]
     rubbing: FoundArm
+    friction: FallingFriction
     travel: Array
     turns_late: bool = False
     bending: Bending | None = None
@@ -103,10 +106,11 @@ class Setting:
 
     def begun(self, stretches: tuple[Equations, ...]) -> Fit:
         """Return the first fit: friction grows with what links pass on as a fit without that has them."""
-        rubbing = self._arm(self._solved(stretches, self.find_delay))
-        by_load = loaded(stretches, rubbing, self.band)
+        first = self._solved(stretches, self.find_delay)
+        rubbing, friction = self._arm(first), friction_of(stretches, self.layout, first.parameters)
+        by_load = tuple(map(friction.falling, loaded(stretches, rubbing, self.band)))
         solution, beside = self._chosen(by_load, self.find_delay)
-        return Fit(solution, beside, by_load, by_load, rubbing, np.zeros(self.layout.n))
+        return Fit(solution, beside, by_load, by_load, rubbing, friction, np.zeros(self.layout.n))
 
     def turning_late(self, fit: Fit) -> Fit:
         """Return a fit in which friction turns late, or that with the travels over which it would."""

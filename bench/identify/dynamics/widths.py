@@ -13,8 +13,9 @@ NARROWEST = -4  # assumed: a hundredth of the whole torque; less would claim to 
 AS_STATED = 0  # exact: once what was stated
 # exact: nothing beyond what is stated, of an offset; of what is optional, none at all
 NONE = NARROWEST - 1
-# declared: friction bends in every gear; few joints have a dress pack or balancer, and nobody doubts that others do not
-SELDOM = ("spring", "balancer")
+# declared: friction bends in every gear; few joints have a dress pack or balancer, and nobody doubts that others do
+# not. Friction that falls is told by time, which tells nothing else
+SELDOM = ("spring", "balancer", "warming")
 
 
 @dataclass(frozen=True)
