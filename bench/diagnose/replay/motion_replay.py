@@ -11,7 +11,7 @@ from functools import cached_property, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.replay.average_friction import average_friction, bends
+from bench.diagnose.replay.averaged_more import AveragedMore
 from bench.diagnose.replay.courses import Course, Moved, count_of, courses_of, moves_along, true_conditions
 from bench.diagnose.replay.fitted import fitted_world
 from bench.diagnose.replay.gas_history import GasHistory
@@ -35,7 +35,6 @@ from bench.effects.followed import Followed
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 from bench.robot.counterbalance import Counterbalance
-from bench.robot.links import Poses, inertial_parameters, poses_of
 from bench.robot.patched import Structure
 from bench.robot.recent import Recent
 from bench.simulate.bare import bare_spec
@@ -46,7 +45,6 @@ MOST_KNOWN = 4  # effort: motions kept, for worlds that only read differently
 MOST_PLANS = 64  # effort: ways kept in which worlds share models, 0.1 MB each for 700 instants of six joints
 MOST_RATES = 16  # effort: errors of encoders, of which what they add to speeds and accelerations is kept
 MOST_GASES = 16  # effort: cylinders, of which how warm their gas is is kept
-MOST_LINKS = 64  # effort: sets of inertial parameters kept
 
 
 class MotionReplay:
@@ -75,8 +73,7 @@ class MotionReplay:
         self._structure = structure or Structure(compiled.robot, bare_spec(compiled.robot))
         self._known: Recent[Hashable, Moved] = Recent(MOST_KNOWN)
         self._rates: Recent[Hashable, tuple[Array, Array]] = Recent(MOST_RATES)
-        self._inertial: Recent[bytes, Array] = Recent(MOST_LINKS)  # parameters of links, by what models have
-        self._poses: Recent[bytes, Poses] = Recent(MOST_LINKS)  # likewise
+        self._averaged_more = AveragedMore()
         self._rows = slices_of(count_of(segment) for segment in segments)
         self._recordings: dict[str, list[int]] = {}  # recording -> its segments
         for i, segment in enumerate(segments):
@@ -229,7 +226,7 @@ class MotionReplay:
             trace = self._at_the_middle(trace, course, bend[motion.read])
         rows = slices_of(count_of(segment) for segment in segments)
         stretches = [(here, None if s.is_static else s.standing) for s, here in zip(segments, rows, strict=True)]
-        return Moved(expected(compiled, trace, stretches), self._excess(compiled, segments, rows)), found
+        return Moved(expected(compiled, trace, stretches), self._averaged_more.of(compiled, segments, rows)), found
 
     def _with_warm_gas(self, motion: Motion, compiled: CompiledRobot, course: Course) -> Motion:
         """Return the motion of a course with gas as warm as it was; most courses of a world share a cylinder."""
@@ -243,29 +240,6 @@ class MotionReplay:
         """Return what an error of the encoders adds to speeds and accelerations along a course, shape (T, n) each."""
         key = acting.effect, acting.place, tuple(acting.values.items()), course.segments
         return self._rates.get(key, lambda: rates_along([self.segments[i] for i in course.segments], acting))
-
-    def _excess(self, compiled: CompiledRobot, segments: Sequence[Segment], rows: Sequence[slice]) -> Array:
-        """Return what averaged torques of segments have more, each in its rows, shape (K, n)."""
-        found = np.zeros((rows[-1].stop, compiled.n_joints))
-        if not any(segment.average_excess for segment in segments):
-            return found
-        links, bent = self._inertial_parameters(compiled), bends(compiled)
-        for segment, mine in zip(segments, rows, strict=True):
-            if segment.average_excess and segment.path:
-                found[mine] = segment.average_excess.torque(links)
-                if np.any(bent):
-                    speed = segment.motion.velocity[segment.motion.read]
-                    found[mine] += average_friction(compiled, segment.path, speed)
-        return found
-
-    def _inertial_parameters(self, compiled: CompiledRobot) -> Array:
-        """Return the inertial parameters of the links of a world's robot, with what is bolted on, shape (10 n,)."""
-        model = compiled.model
-        placed = b"".join(part.tobytes() for part in (model.body_pos, model.body_quat, model.jnt_pos))
-        weighed = (model.body_mass, model.body_inertia, model.body_ipos, model.body_iquat)
-        key = placed + b"".join(part.tobytes() for part in weighed)
-        poses = partial(self._poses.get, placed, lambda: poses_of(compiled))
-        return self._inertial.get(key, lambda: inertial_parameters(compiled, poses()))
 
     def _at_the_middle(self, trace: Trace, course: Course, bend: Array) -> Trace:
         """Return a trace with links where they are in the middle of a bin, not where averaged torques hold them.
