@@ -105,10 +105,10 @@ def warming_notes(warming: Warming | None) -> Iterator[str]:
     each = zip(warming.joints, warming.scale, strict=True)
     shares = ", ".join(f"{joint} {scale[0] - scale[-1]:.1%}" for joint, scale in each if scale[0] > scale[-1])
     yield (
-        f"Friction falls from run to run, as of drives that warm up: from {warming.runs[0]!r} to {warming.runs[-1]!r} "
-        f"by {shares}. Another recording is predicted with that of the middle, and a warmer or colder one is missed by "
-        "as much: warm up first. A diagnosis looks for it; temperatures of the gears in the log (gear_temperature_i_k) "
-        "tell it best."
+        f"Friction falls from run to run, as of drives that warm up. From {warming.runs[0]!r} to {warming.runs[-1]!r} "
+        f"it falls by {shares}. Another recording is predicted with that of the middle, and a warmer or colder one is "
+        "missed by as much: warm up first. A diagnosis looks for it; temperatures of the gears in the log "
+        "(gear_temperature_i_k) tell it best."
     )
 
 

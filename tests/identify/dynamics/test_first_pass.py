@@ -233,7 +233,7 @@ def test_a_motion_informs_each_drive_of_its_own_friction() -> None:
     found = first_pass(recorded(robot(arm()), FRICTION, np.random.default_rng(5), runs=2, **SHORT), robot(arm()))
     motion = next(one for one in _candidates(found) if one.joints == (2,))
     shown = np.diag(_information(found, motion)) > 0
-    for name in DRIVE_COLUMNS:
+    for name in set(DRIVE_COLUMNS) - {"warming"}:  # friction falls from one motion to the next
         assert shown[found.layout.of_drives(name)].tolist() == [False, False, True], name
 
 
