@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import bench.diagnose.replay.motion_replay as replay_module
+import bench.diagnose.replay.averaged_more as more_module
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
@@ -44,7 +44,7 @@ def test_a_rise_at_standstill_that_bins_pass_over_is_averaged(monkeypatch: pytes
     seen = np.isfinite(segment.observed[:, 0]) & (np.abs(true) > 0.01 * RISE * level)
     assert seen.sum() >= 4  # before and after each turn
     averaged = change()
-    monkeypatch.setattr(replay_module, "average_friction", lambda robot, path, speed: np.zeros_like(speed))
+    monkeypatch.setattr(more_module, "average_friction", lambda robot, path, speed: np.zeros_like(speed))
     at_average = change()
     missed, before = (np.abs(one - true)[seen].sum() / np.abs(true)[seen].sum() for one in (averaged, at_average))
     print(f"missed of the rise: {missed:.3f}, at the average speed {before:.3f}")

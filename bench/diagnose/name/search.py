@@ -19,7 +19,7 @@ MOST_EXPANDED = 40  # effort: subsets that are expanded
 ADDITIONS = 12  # effort: best additions to each subset that are looked at
 EXCHANGES = 5  # effort: best additions after each deletion
 # effort: log posterior odds that the best exchange of a term lost, from where others of it are tried beside no more
-# subsets: of twenty findings most have no other name, and to look for it anew each time was nine tenths of a search
+# subsets: of twenty findings most have no other name
 IRREPLACEABLE = 50.0
 
 

@@ -19,8 +19,7 @@ from bench.record.campaign import Array
 # declared: log evidence from where on a drive has it; 100 to 1, as a diagnosis asks of a finding
 SURELY = float(np.log(100.0))
 RARE = SURELY + float(np.log(10.0))  # declared: who has a machine with a balancer knows of it, who has cables may not
-WANTED = {"viscous_difference": 0.0, "rolling": SURELY, "load": SURELY, "spring": SURELY, "balancer": RARE}
-WANTED["warming"] = SURELY
+WANTED = dict.fromkeys(OPTIONAL, SURELY) | {"viscous_difference": 0.0, "balancer": RARE}
 # effort: of choosing widths anew with the noise that is left; a term that was found sharpens what tells the next
 CHOICES = 5
 ROUNDS = 2  # effort: of asking by how much the model errs beside its data; a third changes a tenth of that

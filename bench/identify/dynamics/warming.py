@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 LEVELS = ("coulomb", "viscous")  # of which the column's friction is made
 WARMING = DRIVE_COLUMNS.index("warming")
-HOUR = 3600.0
+HOUR = 3600.0  # exact: [s]
 STEP_S = 60.0  # declared: [s], times that are nearer are one
 LEAST_TIMES = 3  # derived: a fall over time is told from any other difference by a third time at least
 RUBS = ("coulomb", "viscous", "viscous_difference", "rolling", "load", "presliding")
