@@ -9,7 +9,8 @@ import numpy as np
 from bench.effects.conditions import Conditions
 from bench.effects.effect import Array, Parameter, Place, Values
 from bench.effects.learned import Learned
-from bench.simulate.instruments import HOUR, Reading
+from bench.record.units import HOUR
+from bench.simulate.instruments import Reading
 from bench.simulate.trace import Trace
 
 AXES = "xyz"

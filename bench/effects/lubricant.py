@@ -23,14 +23,12 @@ from bench.effects.friction import (
 from bench.effects.friction_elements import give_side, rolling, scale_coulomb, scale_rolling
 from bench.effects.places import drive_of, drives
 from bench.effects.recorded import Recorded
+from bench.record.moving import FEWEST_TIMES, TIME_STEP_S
+from bench.record.units import HOUR
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
-from bench.simulate.instruments import HOUR
 
 PALMGREN = "Palmgren, Ball and roller bearing engineering, 1959: M_0 ~ (nu n)^(2/3) (the SKF model has the power 0.6)"
-
-STEP_S = 60.0  # effort: [s], within which friction that falls has one model; at 1/h it falls by less than 2 %
-LEAST_TIMES = 3  # derived: a fall over time is told from any other difference by a third time at least
 
 
 class Viscous(OnFriction):
@@ -236,7 +234,7 @@ class FrictionWarming(_Falling):
         found = []
         for place in self.places(compiled):
             runs = [run for run in recorded.runs if place.index in run.moving]
-            if len({k for run in runs for k in range(_step(run.start_s), _step(run.end_s) + 1)}) >= LEAST_TIMES:
+            if len({k for run in runs for k in range(_step(run.start_s), _step(run.end_s) + 1)}) >= FEWEST_TIMES:
                 found.append(replace(place, about_s=(runs[0].start_s + runs[-1].end_s) / 2))
         return tuple(found)
 
@@ -245,12 +243,12 @@ class FrictionWarming(_Falling):
         return _step(conditions.time_s)
 
     def _rise(self, place: Place, values: Values, gear_k: Array, since_start: Array) -> Array:
-        return -values["rate"] * (STEP_S * np.round(since_start / STEP_S) - place.about_s) / HOUR
+        return -values["rate"] * (TIME_STEP_S * np.round(since_start / TIME_STEP_S) - place.about_s) / HOUR
 
 
 def _step(time_s: float) -> int:
     """Return the step of time in which friction is one level."""
-    return round(time_s / STEP_S)
+    return round(time_s / TIME_STEP_S)
 
 
 def _drag(place: Place, followed: Followed, coefficient: float) -> Torques:

@@ -28,8 +28,9 @@ from bench.effects.recording_places import (
     tracker,
 )
 from bench.effects.sensing_bench import vector_of
+from bench.record.units import HOUR
 from bench.robot.compiled import CompiledRobot
-from bench.simulate.instruments import HOUR, Reading, small_rotation
+from bench.simulate.instruments import Reading, small_rotation
 from bench.simulate.trace import Trace
 
 

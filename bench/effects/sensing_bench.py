@@ -6,8 +6,9 @@ import numpy as np
 
 from bench.effects.conditions import Conditions
 from bench.effects.effect import WHOLE, Array, Effect, Parameter, Place, Values
+from bench.record.units import HOUR
 from bench.robot.compiled import CompiledRobot
-from bench.simulate.instruments import HOUR, Reading, is_slanting, small_rotation
+from bench.simulate.instruments import Reading, is_slanting, small_rotation
 from bench.simulate.trace import Trace
 
 

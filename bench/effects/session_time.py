@@ -14,10 +14,10 @@ from bench.effects.gas import OfGas, amount_scaled
 from bench.effects.places import drive_of, drives
 from bench.effects.recorded import Recorded, RecordedRun
 from bench.effects.recording_places import OfCampaign
+from bench.record.units import HOUR
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
 from bench.robot.patching.numbers import UNSET_LENGTH
-from bench.simulate.instruments import HOUR
 
 
 class GasLeak(OfGas):

@@ -8,6 +8,7 @@ from unicodedata import category
 from bench.record.channels import parse_column
 
 STANDARD_GRAVITY = 9.80665  # [m/s^2], CGPM 1901
+HOUR = 3600.0  # [s]
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ FOREIGN: Mapping[str, Foreign] = {
     "ms": Foreign("s", 1e-3),
     "us": Foreign("s", 1e-6),
     "min": Foreign("s", 60.0),
-    "h": Foreign("s", 3600.0),
+    "h": Foreign("s", HOUR),
     "g": Foreign("kg", 1e-3),
     "c": Foreign("k", 1.0, 273.15),
     "degc": Foreign("k", 1.0, 273.15),

@@ -12,6 +12,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.record.units import HOUR
 from bench.robot.compiled import CompiledRobot
 from bench.robot.instruments import Instruments as InstrumentFigures
 from bench.simulate.fitted_errors import fitted_errors
@@ -19,7 +20,6 @@ from bench.simulate.trace import Trace
 
 Array = NDArray[np.float64]
 
-HOUR = 3600.0  # [s]
 VERTICAL_TOLERANCE = 1e-6  # a load is hanging when its sideways part is below this share; its direction is then known
 
 

@@ -63,6 +63,8 @@ def test_text_has_errors_first(campaigns: tuple[Path, Path], capsys: pytest.Capt
     assert "friction by the torque passed on" not in printed.split("Not needed: ")[0], (
         "rows of zeros told nobody anything"
     )
+    assert "presliding travel (" in printed.split("Not needed: ")[1]
+    assert "friction that falls" not in printed, "runs of one minute were not asked for it"
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+import bench.effects.geometry_at_zero as geometry_at_zero
 import bench.robot.patched as patched_module
 from bench.effects.catalogue import catalogue
 from bench.effects.conditions import Conditions
@@ -200,6 +201,27 @@ def test_a_structure_keeps_nothing_of_the_robot_in_which_it_was_first_met(name: 
     )
     for edits in ([bolt_on(PAYLOAD), numbers, structural], [bolt_on(PAYLOAD), structural]):
         assert_same(fresh.patched(edits), fresh.compiled(edits))
+
+
+def test_a_length_is_that_of_where_things_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is kept for robots that have everything in its place, whatever else differs, and made anew for others."""
+    both, made = Both(load_robot("hh150")), list[object]()
+    seal, anchors = (EFFECTS[name] for name in ("seal_friction", "anchor"))
+    (place,) = seal.places(both.nominal)
+    rubs = seal.edit(place, {"share": 0.05}, warm(6))
+    moved = [anchors.edit(place, {"a": x, "b": 0.0, "h": 0.0}, warm(6)) for x in (4e-3, -3e-3)]
+    lengths = geometry_at_zero.AtZero.length
+    monkeypatch.setattr(
+        geometry_at_zero.AtZero, "length", lambda self, tendon: made.append(self) or lengths(self, tendon)
+    )
+    assert rubs
+    assert all(moved)
+    for edits in ([moved[0], rubs], [moved[1], rubs], [moved[0], bolt_on(PAYLOAD), rubs]):
+        patched = both.patched(edits)
+        count = len(made)
+        assert_same(patched, both.compiled(edits))
+        del made[count:]  # a robot that is compiled has nothing kept
+    assert len(made) == 2  # of the third, as of the first
 
 
 def test_the_spec_stays_as_it_was(both: Both) -> None:

@@ -5,9 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bench.record.units import HOUR
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
-from bench.simulate.instruments import HOUR, Instruments, small_rotation
+from bench.simulate.instruments import Instruments, small_rotation
 from bench.simulate.trace import Trace
 
 READINGS = 4000

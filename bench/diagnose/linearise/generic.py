@@ -22,7 +22,7 @@ from bench.effects.sensing_drive import TorqueConstant
 from bench.effects.transmission import JointCompliance
 from bench.record.campaign import Array
 from bench.record.moving import TRAVELS
-from bench.simulate.instruments import HOUR
+from bench.record.units import HOUR
 from bench.simulate.trace import Trace
 
 ANGLE_NODES = 17  # effort: of a free shape over an angle, in a search; with nine a dent of 4 degrees is not seen

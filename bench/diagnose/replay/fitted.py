@@ -19,10 +19,11 @@ from bench.effects.effect import Acting, Array, Place
 from bench.effects.fitted import fitted_acting
 from bench.effects.geometry import JointZero
 from bench.errors import RobotError
+from bench.record.units import HOUR
 from bench.robot.compiled import CompiledRobot
 from bench.robot.figures import Figures
 from bench.robot.fitted import NO_READINGS, FittedReadings, FittedWeights
-from bench.simulate.instruments import HOUR, Reading, is_slanting, small_rotation
+from bench.simulate.instruments import Reading, is_slanting, small_rotation
 from bench.simulate.pulls import pulled
 
 AXES = "xyz"

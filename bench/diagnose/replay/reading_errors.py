@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from bench.record.campaign import Array
-from bench.simulate.instruments import HOUR, Reading, is_slanting, small_rotation
+from bench.record.units import HOUR
+from bench.simulate.instruments import Reading, is_slanting, small_rotation
 
 OnReading = Callable[[float, Reading], Reading]
 

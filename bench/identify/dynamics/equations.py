@@ -8,7 +8,7 @@ the difference of viscous friction between the directions (that of Coulomb frict
 F_r rolling friction of lubricated bearings (`bench/actuators/README.md`), which bends over speed, F_l friction that
 grows with the torque t that the gear passes on (`gear_load.py`), c the stiffness of a dress pack, B w(q) a balancer
 (`balancer.py`), F_p friction that turns late and z the share of it that there is (`presliding.py`), r the share of all
-friction F that it loses in an hour, h hours after the middle of its recording (`warming.py`), g the gas of the
+friction F that it loses in an hour, h hours after the middle of its recording (`falling_friction.py`), g the gas of the
 counterbalance with its nominal torque M, x how much softer gears are than stated and S what their winding adds
 (`bending.py`), l how far gravity leans and G what links weigh across it, G_f known masses m (`leaning.py`), W the known
 load.
@@ -67,8 +67,8 @@ class Equations:
         links: Shape (T, n, 10 n), factors of the links' inertial parameters.
         drives: Shape (T, n, 16), factors of `DRIVE_COLUMNS`, each of its own drive only; zero for "load" until there
             are links whose torque gears pass on (`gear_load.py`), for "warming" until there is friction that falls
-            (`warming.py`), for "presliding" until there is a travel over which friction turns (`presliding.py`), and
-            for balancers of slides.
+            (`falling_friction.py`), for "presliding" until there is a travel over which friction turns
+            (`presliding.py`), and for balancers of slides.
         gas: Shape (T, 1 + 4), motor torque against the nominal gas, and its derivatives by `GAS_SHAPE`; zeros without a
             counterbalance.
         winding: Shape (T, n, n) [Nm], what the winding of each gear, stiff as stated, adds to each drive; zeros until

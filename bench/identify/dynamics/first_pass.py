@@ -77,7 +77,7 @@ def first_pass(
         base=base,
         band=band,
         rubbing=fit.rubbing,
-        friction=fit.friction,
+        falls=fit.falls,
         travel=fit.travel,
         bending=fit.bending,
         leans=fit.leans,

@@ -11,7 +11,8 @@ from bench.identify.dynamics.band import Band
 from bench.identify.dynamics.base_parameters import BaseParameters
 from bench.identify.dynamics.bending import Bending, bent
 from bench.identify.dynamics.consistency import Bodies
-from bench.identify.dynamics.equations import OPTIONAL, Equations, equations_of
+from bench.identify.dynamics.equations import BALANCER, DRIVE_COLUMNS, OPTIONAL, Equations, equations_of
+from bench.identify.dynamics.falling_friction import FallingFriction
 from bench.identify.dynamics.folds import Folds
 from bench.identify.dynamics.found_arm import FoundArm
 from bench.identify.dynamics.gear_load import loaded
@@ -23,7 +24,6 @@ from bench.identify.dynamics.prior import Prior
 from bench.identify.dynamics.rows import DriveRows, rows_of
 from bench.identify.dynamics.samples import MotionSamples, motion_samples
 from bench.identify.dynamics.solve import Solution
-from bench.identify.dynamics.warming import FallingFriction
 from bench.identify.dynamics.widths import NONE
 from bench.record.campaign import Array, Campaign
 from bench.robot.nominal_dynamics import NominalDynamics
@@ -68,7 +68,7 @@ class FirstPass:
         base: Its base parameters.
         band: The filter that model and data passed.
         rubbing: The arm whose torque friction grows with.
-        friction: That may fall during what was fitted.
+        falls: Friction that may fall during what was fitted.
         travel: Shape (n,) [rad] or [m], over which friction turns where it turns late; elsewhere it means nothing.
         bending: How its gears wind up; None where what was held out is not surely predicted better for it.
         leans: Whether its gravity leans, because what was held out is surely predicted better so.
@@ -87,7 +87,7 @@ class FirstPass:
     base: BaseParameters
     band: Band
     rubbing: FoundArm
-    friction: FallingFriction
+    falls: FallingFriction
     travel: Array
     bending: Bending | None
     leans: bool
@@ -137,6 +137,11 @@ class FirstPass:
         there = np.reshape([width != NONE for width in self.solution.widths.optional], (len(OPTIONAL), self.layout.n))
         return {name: tuple(np.flatnonzero(row).tolist()) for name, row in zip(OPTIONAL, there, strict=True)}
 
+    def looks_for(self, what: str) -> bool:
+        """Whether any drive could show something of `OPTIONAL`; a short recording shows no friction that falls."""
+        columns = [DRIVE_COLUMNS.index(name) for name in (BALANCER if what == "balancer" else (what,))]
+        return any(bool(np.any(part.drives[:, :, columns])) for part in self.stretches)
+
     def quantile(self, level: float = 0.9) -> float:
         """Return half the width of an interval in standard errors; Student's t with the independent readings left."""
         return float(stdtrit(self.solution.freedom, 0.5 + level / 2))
@@ -157,7 +162,7 @@ class FirstPass:
         band = band or self.band
         every = loaded([equations_of(samples, band, self.arm, self.nominal, self.top_speed)], self.rubbing, band)
         (found,) = late(every, self.travel, band)
-        found = self.friction.falling(found) if is_fitted else found
+        found = self.falls.added_to(found) if is_fitted else found
         found = bent(found, self.bending, band) if self.bending else found
         return leaning([found], self.arm, self.nominal)[0] if self.leans else found
 

@@ -23,6 +23,7 @@ from bench.identify.dynamics.band import Band
 from bench.identify.dynamics.bending import Bending, bending_of, bent
 from bench.identify.dynamics.consistency import Bodies, bodies_of, nearest
 from bench.identify.dynamics.equations import Equations
+from bench.identify.dynamics.falling_friction import FallingFriction, falling_friction
 from bench.identify.dynamics.folds import Folds
 from bench.identify.dynamics.found_arm import FoundArm, found_arm
 from bench.identify.dynamics.gear_load import loaded
@@ -33,7 +34,6 @@ from bench.identify.dynamics.presliding import late, likeliest_travel
 from bench.identify.dynamics.prior import Prior
 from bench.identify.dynamics.rows import DriveRows, rows_of
 from bench.identify.dynamics.solve import Solution, solve
-from bench.identify.dynamics.warming import FallingFriction, friction_of
 from bench.identify.dynamics.widths import Widths
 from bench.record.campaign import Array
 from bench.robot.nominal_dynamics import NominalDynamics
@@ -49,7 +49,7 @@ class Fit:
         stretches: The equations, with all that the fit has.
         at_once: The same with friction that turns at once, rigid gears and a base as stated.
         rubbing: The arm by whose torques friction grows.
-        friction: That may fall.
+        falls: Friction that may fall in the course of a recording.
         travel: Shape (n,) [rad] or [m], over which friction turns where it does.
         turns_late: Whether friction may turn late.
         bending: Gears that wind up; None: they are rigid.
@@ -61,7 +61,7 @@ class Fit:
     stretches: tuple[Equations, ...]
     at_once: tuple[Equations, ...]
     rubbing: FoundArm
-    friction: FallingFriction
+    falls: FallingFriction
     travel: Array
     turns_late: bool = False
     bending: Bending | None = None
@@ -107,10 +107,10 @@ class Setting:
     def begun(self, stretches: tuple[Equations, ...]) -> Fit:
         """Return the first fit: friction grows with what links pass on as a fit without that has them."""
         first = self._solved(stretches, self.find_delay)
-        rubbing, friction = self._arm(first), friction_of(stretches, self.layout, first.parameters)
-        by_load = tuple(map(friction.falling, loaded(stretches, rubbing, self.band)))
+        rubbing, falls = self._arm(first), falling_friction(stretches, self.layout, first.parameters)
+        by_load = tuple(map(falls.added_to, loaded(stretches, rubbing, self.band)))
         solution, beside = self._chosen(by_load, self.find_delay)
-        return Fit(solution, beside, by_load, by_load, rubbing, friction, np.zeros(self.layout.n))
+        return Fit(solution, beside, by_load, by_load, rubbing, falls, np.zeros(self.layout.n))
 
     def turning_late(self, fit: Fit) -> Fit:
         """Return a fit in which friction turns late, or that with the travels over which it would."""

@@ -1,84 +1,25 @@
-"""Friction that falls during a recording, as that of drives that warm up does.
+"""Friction that falls from run to run, as that of drives that warm up does, whatever its course.
 
-`FallingFriction` writes its column: the share r of its friction that a drive loses in an hour, times the hours from the
-middle of what was recorded to each instant. Another recording has the friction of the middle, for nobody knows how warm
-its drives are.
-
-`warming_of` asks whether friction falls from run to run at all, whatever its course. Of each drive, the friction that
-was found is scaled anew in each run, by what is left there. Where nothing goes on from run to run, any order of the
-runs is as likely as any other, however much runs differ: that is an exact test (a permutation test), which takes
-neither errors as normal nor drives as independent.
+Of each drive, the friction that was found is scaled anew in each run, by what is left there. Where nothing goes on from
+run to run, any order of the runs is as likely as any other, however much runs differ: that is an exact test (a
+permutation test), which takes neither errors as normal nor drives as independent.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import permutations
 from math import factorial
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.identify.dynamics.equations import DRIVE_COLUMNS, Equations
-from bench.identify.dynamics.parameters import Layout
+from bench.identify.dynamics.found import FirstPass
 from bench.record.campaign import Array
 
-if TYPE_CHECKING:
-    from bench.identify.dynamics.found import FirstPass
-
-LEVELS = ("coulomb", "viscous")  # of which the column's friction is made
-WARMING = DRIVE_COLUMNS.index("warming")
-HOUR = 3600.0  # exact: [s]
-STEP_S = 60.0  # declared: [s], times that are nearer are one
-LEAST_TIMES = 3  # derived: a fall over time is told from any other difference by a third time at least
 RUBS = ("coulomb", "viscous", "viscous_difference", "rolling", "load", "presliding")
 RATE = 0.01  # declared: of recordings in which nothing goes on, as of a diagnosis; five runs have 120 orders
 FASTER = 0.05  # declared: of recordings whose motions have no order by speed, either way, for which nothing is told
 ORDERS = 5040  # effort: all of seven runs; of more runs as many at random
 MOST = 0.5  # declared: of the mean square left of some drive, explained; what is less is not what is missing here
-
-
-@dataclass(frozen=True)
-class FallingFriction:
-    """Friction that may fall.
-
-    Attributes:
-        middle: Recording -> the middle of its motion [s]; those of too few times are none of them.
-        levels: Shape (2, n), Coulomb [Nm] and viscous [Nm s/rad] friction in that middle.
-    """
-
-    middle: Mapping[str, float]
-    levels: Array
-
-    def falling(self, equations: Equations) -> Equations:
-        """Return equations with the column of friction that falls, of a stretch of what was fitted."""
-        samples = equations.samples
-        if samples.recording not in self.middle:
-            return equations
-        hours = (samples.start + equations.time - self.middle[samples.recording]) / HOUR
-        drives = equations.drives.copy()
-        columns = drives[:, :, [DRIVE_COLUMNS.index(name) for name in LEVELS]]
-        drives[:, :, WARMING] = -hours[:, None] * np.einsum("tnk,kn->tn", columns, self.levels)
-        return replace(equations, drives=drives)
-
-
-def friction_of(equations: Sequence[Equations], layout: Layout, parameters: Array) -> FallingFriction:
-    """Return the friction that may fall in the recordings that have three times to show it.
-
-    Args:
-        equations: Of stretches.
-        layout: Of the parameters.
-        parameters: Shape (p,), as found with friction that stays.
-    """
-    spans: dict[str, list[Array]] = {}
-    for part in equations:
-        spans.setdefault(part.samples.recording, []).append(part.samples.start + part.time)
-    middle = {
-        recording: float(min(one[0] for one in times) + max(one[-1] for one in times)) / 2
-        for recording, times in spans.items()
-        if len(np.unique(np.round(np.concatenate(times) / STEP_S))) >= LEAST_TIMES
-    }
-    return FallingFriction(middle, np.stack([parameters[layout.of_drives(name)] for name in LEVELS]))
 
 
 @dataclass(frozen=True)
@@ -99,7 +40,7 @@ class Warming:
     explained: Array
 
 
-def warming_of(found: "FirstPass") -> Warming | None:
+def warming_of(found: FirstPass) -> Warming | None:
     """Return how friction fell from run to run in the recording with most runs; None where that may be chance.
 
     A share of it that falls in an hour, which the first pass may have, is part of that.
@@ -142,15 +83,15 @@ def warming_of(found: "FirstPass") -> Warming | None:
     return Warming(found.joints, names, scale, explained)
 
 
-def _runs(found: "FirstPass", recording: str) -> list[str]:
+def _runs(found: FirstPass, recording: str) -> list[str]:
     return [part.samples.run for part in found.stretches if part.samples.recording == recording]
 
 
-def _parameter(found: "FirstPass", column: str, drive: int) -> int:
+def _parameter(found: FirstPass, column: str, drive: int) -> int:
     return int(np.arange(found.layout.size)[found.layout.of_drives(column)][drive])
 
 
-def _friction(found: "FirstPass", drive: int, index: NDArray[np.int64], constant: Array) -> Array:
+def _friction(found: FirstPass, drive: int, index: NDArray[np.int64], constant: Array) -> Array:
     """Return the friction of a drive as it was found, at each of its rows [Nm]."""
     own = np.isin(index, [_parameter(found, column, drive) for column in RUBS])
     return np.asarray(constant[:, own] @ found.parameters[index[own]])

@@ -61,8 +61,9 @@ def print_dynamics(result: Dynamics, level: float) -> None:
 
 
 def _without(found: FirstPass) -> dict[str, list[int]]:
-    """Return which drives do without what a drive may have: by the name of its column, as of `FirstPass.has`."""
-    return {what: [j for j in range(len(found.joints)) if j not in has] for what, has in found.has.items()}
+    """Return which drives do without what a drive may have and was looked for, by its name as of `FirstPass.has`."""
+    drives = range(len(found.joints))
+    return {what: [j for j in drives if j not in has] for what, has in found.has.items() if found.looks_for(what)}
 
 
 def _joints(found: FirstPass, drives: Sequence[int]) -> str:
