@@ -64,7 +64,7 @@ def test_text_has_errors_first(campaigns: tuple[Path, Path], capsys: pytest.Capt
         "rows of zeros told nobody anything"
     )
     said = " ".join(printed.split())
-    assert "presliding travel (" in said.split("Not needed: ")[1]
+    assert "spring balancer (all joints)" in said.split("Not needed: ")[1]
     assert "friction that falls" not in said, "runs of one minute were not asked for it"
 
 
