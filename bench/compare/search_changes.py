@@ -242,7 +242,7 @@ def _shape(model: SubsetPosterior, alternatives: Sequence[Alternative]) -> int |
     shapes = [i for i, term in enumerate(model.terms) if not term.is_listed]
     if not shapes:
         return None
-    rise = model.additions(())[shapes]
+    rise = model.additions((), listed=False)[shapes]
     best = int(np.argmax(rise))
     listed = alternatives[0].log_posterior
     if rise[best] > max(listed, 0.0) and listed < GREATER_PART * float(rise[best]):

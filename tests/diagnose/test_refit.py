@@ -103,25 +103,6 @@ def test_a_fit_with_play_takes_what_nuisances_change_about_itself(monkeypatch: p
         assert bool(asked) == (name == "backlash")
 
 
-def test_a_fit_that_leads_nowhere_near_another_model_ends(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A scale of a current in the place of friction was fitted with 450 simulations, 100 000 nats behind."""
-    linear, simulated = _design(), list[object]()
-    predict = Replay.predict
-    monkeypatch.setattr(Replay, "predict", lambda self, world: simulated.append(world) or predict(self, world))
-    whole = refit(linear, (_whole("gas_loss"),), {})
-    needed, promised = len(simulated), whole.log_evidence - refit(linear, (), {}).log_evidence
-    assert promised > 0
-    simulated.clear()
-    behind = refit(
-        linear, (_whole("gas_loss"),), {}, least=whole.log_evidence + 2 * promised + 2 * refit_module.HOPELESS
-    )
-    assert len(simulated) < needed
-    assert not behind.is_settled
-    assert behind.log_evidence < whole.log_evidence
-    near = refit(linear, (_whole("gas_loss"),), {}, least=whole.log_evidence + refit_module.HOPELESS / 2)
-    assert near.values == pytest.approx(whole.values)
-
-
 def test_a_fit_with_other_weights_starts_with_what_was_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
     linear = _design()
     causes = _whole("gas_loss"), _whole("payload_mass")

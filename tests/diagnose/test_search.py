@@ -79,6 +79,25 @@ def test_what_an_addition_promises_is_what_it_brings(data: tuple[np.ndarray, np.
                 assert rise[i] == pytest.approx(model.log_posterior(both) - model.log_posterior(which), abs=EXACT)
 
 
+def test_additions_of_any_number_of_columns_are_what_they_bring_listed_or_not(
+    data: tuple[np.ndarray, np.ndarray, np.ndarray],
+) -> None:
+    columns = np.concatenate([data[0], data[0][::-1] ** 2], axis=1)
+    products = Nuisances(data[2]).products(data[1], columns)
+    blocks = ((0,), (1, 2), (3, 4, 5), (7, 6), (2,), (1, 5, 6))
+    terms = [
+        Term(i, np.array(own), np.linspace(1, 2, len(own)), ODDS, np.eye(len(own))[0] * (i == 3), i % 2 == 0)
+        for i, own in enumerate(blocks)
+    ]
+    model = SubsetPosterior(products.information, products.scores, terms)
+    for which in [(), (2,), (4, 5)]:
+        every, listed, others = (model.additions(which, listed=listed) for listed in (None, True, False))
+        for i in sorted({*range(6)} - {*which}):
+            brought = model.log_posterior((*which, i)) - model.log_posterior(which)
+            asked, other = (listed, others) if i % 2 == 0 else (others, listed)
+            assert [every[i], asked[i], other[i]] == [pytest.approx(brought, abs=EXACT)] * 2 + [-np.inf]
+
+
 def test_search_finds_what_enumeration_finds() -> None:
     rng = np.random.default_rng(7)
     columns = rng.standard_normal((M, 9))
@@ -178,7 +197,9 @@ def test_what_cannot_be_replaced_is_left_alone(monkeypatch: pytest.MonkeyPatch) 
     start, asked = tuple(range(11)), list[tuple[int, ...]]()
     additions = SubsetPosterior.additions
     monkeypatch.setattr(
-        SubsetPosterior, "additions", lambda self, which: asked.append(tuple(which)) or additions(self, which)
+        SubsetPosterior,
+        "additions",
+        lambda self, which, listed: asked.append(tuple(which)) or additions(self, which, listed=listed),
     )
     found = {one.terms: one.log_posterior for one in search(model, [start])}
     few = len(asked)

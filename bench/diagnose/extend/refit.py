@@ -26,6 +26,7 @@ MATTERS = 2.0  # effort: what a step falls short of its promise by, from where d
 POOR = 0.3  # effort: of the promised fall; corrected derivatives that keep less are taken anew
 MOVED = 0.1  # effort: of its standard deviation; a step that moves a nuisance less did not fail for its derivative
 HOPELESS = 30.0  # effort: [nats], beyond twice what the next step promises, by which a fit may be behind and go on
+FAR = 1000.0  # effort: [nats] by which a fit may be behind after a step that has not made half of the way
 FAITHFUL = 0.7  # effort: of the promised fall; derivatives that keep less are taken anew, or corrected
 
 
@@ -91,7 +92,8 @@ def refit(
         settles: Whether a fit whose derivatives are doubtful at its end ends with those of all nuisances
             about itself, which takes a simulation for each. `refitted` does that later.
         renews: Whether derivatives that do not keep what they promise are taken anew; else steps alone correct them.
-        least: Log evidence that another model has. A fit that is far behind and has no step that leads there ends.
+        least: Log evidence that another model has. A fit that is far behind, and has no step that leads there or makes
+            half of the way, ends.
         progress: Called before every simulation; what it raises ends the fit.
 
     Raises:
@@ -175,11 +177,14 @@ def _least(objective: Objective, state: State, slopes: Derivatives, how: _How) -
     """
     for _ in range(MOST_TO_SETTLE if how.settles else MOST_ITERATIONS):
         step, promised = _step(objective, state, slopes)
-        if _log_evidence(objective, state.objective - 2 * promised, slopes) < how.least - HOPELESS:
+        behind = how.least - _log_evidence(objective, state.objective, slopes)
+        if behind - promised > HOPELESS:
             return state, slopes, True
         before = state
         if promised >= ENOUGH:
             state = _downhill(objective, state, slopes, step)
+            if how.least - _log_evidence(objective, state.objective, slopes) > max(FAR, behind / 2):
+                return state, slopes, True
             if before.objective - state.objective >= FAITHFUL * promised:
                 continue
         try:

@@ -187,16 +187,25 @@ def log_evidences_of(h: Array, b: Array, prior: Array, sign: Array | None = None
         prior: Shape (E, k), standard deviations of normal priors.
         sign: Shape (E, k), of sizes that can have one sign only, with half-normal priors; 0 or None: either.
     """
-    is_single = (
-        h.shape[1] == 1
-    )  # then it is a division: hundreds of calls of LAPACK take as long as the rest of a search
-    mean = b / h[:, 0] if is_single else np.linalg.solve(h, b[:, :, None])[:, :, 0]
-    volume = 0.5 * (np.log(h[:, 0, 0]) if is_single else np.linalg.slogdet(h)[1])
-    found: Array = 0.5 * np.sum(mean * b, axis=1) - volume - np.sum(np.log(prior), axis=1)
+    # closed for one or two: hundreds of calls of LAPACK for blocks that small take as long as the rest of a search
+    determinant, inverse = _inverted(h) if h.shape[1] <= 2 else (None, None)
+    mean = np.linalg.solve(h, b[:, :, None])[:, :, 0] if inverse is None else (inverse @ b[:, :, None])[:, :, 0]
+    log_determinant = np.linalg.slogdet(h)[1] if determinant is None else np.log(determinant)
+    found: Array = 0.5 * np.sum(mean * b, axis=1) - 0.5 * log_determinant - np.sum(np.log(prior), axis=1)
     if sign is not None and np.any(sign):
-        variance = 1 / h[:, 0] if is_single else np.diagonal(np.linalg.inv(h), axis1=1, axis2=2)
+        variance = np.diagonal(np.linalg.inv(h) if inverse is None else inverse, axis1=1, axis2=2)
         found = found + log_half_normal(mean * sign, np.sqrt(variance), sign).sum(axis=1)
     return found
+
+
+def _inverted(h: Array) -> tuple[Array, Array]:
+    """Return the determinants and the inverses of E matrices of one or two rows, shape (E, 1, 1) or (E, 2, 2)."""
+    if h.shape[1] == 1:
+        return h[:, 0, 0], 1 / h
+    (a, b), (c, d) = h.transpose(1, 2, 0)
+    determinant = a * d - b * c
+    adjugate = np.array([[d, -b], [-c, a]]).transpose(2, 0, 1)
+    return determinant, adjugate / determinant[:, None, None]
 
 
 def log_half_normal(mean: Array, deviation: Array, sign: Array) -> Array:

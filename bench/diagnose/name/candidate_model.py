@@ -9,7 +9,7 @@ from math import inf
 import numpy as np
 
 from bench.diagnose.extend.fit import Fit, Key
-from bench.diagnose.extend.refit import refit, refitted
+from bench.diagnose.extend.refit import FAR, refit, refitted
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import Block
 from bench.diagnose.linearise.linearised_model import LinearisedModel
@@ -69,7 +69,10 @@ def with_shape(linear: LinearisedModel, shape: Block) -> LinearisedModel:
 
 
 def fit_of(plain: LinearisedModel, candidate: CandidateModel, progress: Progress) -> tuple[Fit, tuple[int, ...]] | None:
-    """Return the best fit, and which causes it needs and allows; None where nothing balances along the motion."""
+    """Return the best fit, and which causes it needs and allows; None where it comes to nothing.
+
+    That is where nothing balances along the motion, or where it stays far behind other models.
+    """
     linear, nuisances, known = plain, candidate.nuisances, candidate.known
     if candidate.shape:
         linear = with_shape(plain, candidate.shape)
@@ -88,6 +91,8 @@ def fit_of(plain: LinearisedModel, candidate: CandidateModel, progress: Progress
         while len(needed := needed_of(found)) < len(found.causes):
             found = quickly(needed, found.start, found.nuisances, found)
     except NOT_SIMULATED:
+        return None
+    if found.log_evidence < candidate.least - FAR:
         return None
     kept = tuple(i for i, cause in enumerate(candidate.causes) if cause in found.causes)
     return found.with_causes(()), kept

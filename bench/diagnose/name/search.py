@@ -65,14 +65,13 @@ def search(
 
     def best_additions(terms: tuple[int, ...], count: int) -> list[int]:
         if terms not in rises:
-            rises[terms] = np.where(is_optional, model.additions(terms), -np.inf)
+            rises[terms] = model.additions(terms, listed=True)
         rise = rises[terms]
         if not len(rise):
             return []
         order = np.argpartition(-rise, min(count, len(rise) - 1))[:count]
         return [int(i) for i in order if np.isfinite(rise[i])]
 
-    is_optional = np.array([term.is_listed for term in model.terms], dtype=bool)
     for which in ((), *start):
         visit({*which, *always})
     for _ in range(expanded):
@@ -111,10 +110,10 @@ def exchanges(model: SubsetPosterior, subset: Subset, always: tuple[int, ...] = 
     free = sorted(set(subset.terms) - set(always))
     for gone in chain.from_iterable(combinations(free, count) for count in range(1, most + 1)):
         rest = tuple(i for i in subset.terms if i not in gone)
-        without, rise = model.log_posterior(rest), model.additions(rest)
+        without, rise = model.log_posterior(rest), model.additions(rest, listed=True)
         least = subset.log_posterior - WINDOW
         for i in np.flatnonzero(without + rise > (least if len(gone) == 1 else max(least, without))):
-            if i not in gone and model.terms[i].is_listed:
+            if i not in gone:
                 terms = tuple(sorted((*rest, int(i))))
                 found.append(Subset(terms, model.log_posterior(terms)))
     return [subset for subset in found if subset.log_posterior > -np.inf]

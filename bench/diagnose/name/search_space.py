@@ -70,7 +70,7 @@ class SearchSpace:
         inexact computer models, 2017): else it would take the constant part of a friction from the level.
         """
         shapes = [int(i) for i in self._shapes if self.model.terms[i].key not in refused]
-        rise = self.model.additions(self.present)[shapes]
+        rise = self.model.additions(self.present, listed=False)[shapes]
         if not len(rise) or np.max(rise) < 0:
             return None
         found = self.what[shapes[int(np.argmax(rise))]]
@@ -129,7 +129,8 @@ class SearchSpace:
             return []
         drives = sorted({self.what[i].drive for i in which})
         rests = [[], *([i for i in which if self.what[i].drive != drive] for drive in drives), which]
-        best = (int(self._shapes[np.argmax(self.model.additions(rest)[self._shapes])]) for rest in rests)
+        rises = (self.model.additions(rest, listed=False)[self._shapes] for rest in rests)
+        best = (int(self._shapes[np.argmax(rise)]) for rise in rises)
         return list(dict.fromkeys(best))
 
     def _needed(self, which: Sequence[int], shape: int) -> tuple[tuple[int, ...], float]:

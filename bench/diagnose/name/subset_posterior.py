@@ -11,9 +11,11 @@ A size that has one sign only has a half-normal prior, which multiplies the evid
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
-from scipy.linalg.lapack import dtrtrs
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dpotrf, dtrtrs
 
 from bench.diagnose.linearise.marginal import JITTER, log_evidences_of, log_half_normal
 from bench.record.campaign import Array
@@ -55,49 +57,52 @@ class SubsetPosterior:
 
     def __init__(self, information: Array, scores: Array, terms: Sequence[Term]) -> None:
         self.information, self.scores, self.terms = information, scores, tuple(terms)
+        self._added: dict[bool | None, _Added] = {}
 
     def log_posterior(self, which: Sequence[int]) -> float:
         """Return the log posterior odds of some terms against none; -inf where one has no place, or is too large."""
         if not which:
             return 0.0
         terms = [self.terms[i] for i in which]
-        if not frozenset().union(*(term.needs for term in terms)) <= {term.key for term in terms}:
-            return -np.inf
-        prior, sign = np.concatenate([t.prior for t in terms]), np.concatenate([t.sign for t in terms])
-        root, pull = self._root(which)
-        if any(term.most is not None for term in terms):
-            most = np.concatenate([np.full(len(t.prior), np.inf) if t.most is None else t.most for t in terms])
-            if np.any(np.abs(self._sizes(root, pull)) > most):
+        if any(term.needs for term in terms):
+            taken = {term.key for term in terms}
+            if not all(term.needs <= taken for term in terms):
                 return -np.inf
-        total = 0.5 * float(pull @ pull) - float(np.sum(np.log(np.diag(root)))) - float(np.sum(np.log(prior)))
+        rows = self._all.rows_of(which)
+        root, pull = self._root(rows)
+        most, sign = self._all.most[rows], self._all.sign[rows]
+        if np.any(np.isfinite(most)) and np.any(np.abs(_solved(root, pull, transposed=True)) > most):
+            return -np.inf
+        total = 0.5 * float(pull @ pull) - float(np.log(root.diagonal() * self._all.prior[rows]).sum())
         if np.any(sign):
             inverse = _solved(root, np.eye(len(root)))
             mean, deviation = pull @ inverse, np.sqrt(np.sum(inverse**2, axis=0))
             total += float(np.sum(log_half_normal(mean * sign, deviation, sign)))
         return total + sum(term.log_odds for term in terms)
 
-    @staticmethod
-    def _sizes(root: Array, pull: Array) -> Array:
-        return _solved(root, pull, transposed=True)
-
-    def additions(self, which: Sequence[int]) -> Array:
+    def additions(self, which: Sequence[int], *, listed: bool | None = None) -> Array:
         """Return by how much the log posterior odds rise with each term added to some, shape (number of terms,).
 
         What a size with one sign says of the terms that are there already is left out. -inf where a term excludes
         one that is there, or has no place.
+
+        Args:
+            which: Indices of the terms that are there.
+            listed: True: of the terms that are listed alone; False: of those that are not; the others have -inf.
         """
-        score, reduced = self.scores, np.zeros((0, len(self.scores)))
+        added = self._added_of(listed)
+        score, reduced = self.scores[added.columns], np.zeros((0, len(added.columns)))
         if which:
-            root, pull = self._root(which)
-            columns = np.concatenate([self.terms[i].columns for i in which])
-            reduced = _solved(root, self.information[columns])
+            rows = self._all.rows_of(which)
+            root, pull = self._root(rows)
+            reduced = _solved(root, added.information[self._all.columns[rows]])
             score = score - pull @ reduced
         across = np.ascontiguousarray(reduced.T)
         rise = np.full(len(self.terms), -np.inf)
-        for members, columns, prior, sign, odds, own in self._groups:
-            there = across[columns]
-            h = own - there @ there.transpose(0, 2, 1)
-            rise[members] = log_evidences_of(h, score[columns], prior, sign) + odds
+        for group in added.groups:
+            there = across[group.columns]
+            h = group.own - there @ there.transpose(0, 2, 1)
+            rise[group.members] = log_evidences_of(h, score[group.columns], group.prior, group.sign) + group.log_odds
         for i in which:
             rise[self._same[self.terms[i].key]] = -np.inf
         taken = {self.terms[i].key for i in which}
@@ -106,17 +111,35 @@ class SubsetPosterior:
 
     def equations(self, which: Sequence[int]) -> tuple[Array, Array]:
         """Return H and s of the columns of some terms, one term after the other; their sizes x solve H x = s."""
-        columns = np.concatenate([self.terms[i].columns for i in which])
-        prior = np.concatenate([self.terms[i].prior for i in which])
-        h: Array = self.information[np.ix_(columns, columns)].copy()
-        h[np.diag_indices_from(h)] += 1 / prior**2 + JITTER * np.maximum(np.diag(h), 1.0)
+        return self._equations(self._all.rows_of(which))
+
+    def _equations(self, rows: NDArray[np.intp]) -> tuple[Array, Array]:
+        columns = self._all.columns[rows]
+        h: Array = self.information[columns[:, None], columns]
+        h.reshape(-1)[:: len(h) + 1] += self._all.own[rows]
         return h, self.scores[columns]
 
-    def _root(self, which: Sequence[int]) -> tuple[Array, Array]:
-        """Return the Cholesky factor L of H and L^-1 s of the columns of some terms."""
-        h, scores = self.equations(which)
-        root = np.asarray(np.linalg.cholesky(h), dtype=np.float64)
+    def _root(self, rows: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return the Cholesky factor L of H and L^-1 s of some columns of all terms."""
+        h, scores = self._equations(rows)
+        root, fault = dpotrf(h, lower=1, overwrite_a=0)
+        if fault:
+            raise np.linalg.LinAlgError("Matrix is not positive definite")
         return root, _solved(root, scores)
+
+    @cached_property
+    def _all(self) -> "_Flat":
+        """The columns of all terms."""
+        columns, prior, sign = (
+            np.concatenate([np.empty(0), *(getattr(term, name) for term in self.terms)])
+            for name in ("columns", "prior", "sign")
+        )
+        most = [np.full(len(t.prior), np.inf) if t.most is None else t.most for t in self.terms]
+        indices = columns.astype(np.intp)
+        own = 1 / prior**2 + JITTER * np.maximum(self.information.diagonal()[indices], 1.0)
+        ends = np.cumsum([0, *(len(term.columns) for term in self.terms)])
+        rows = tuple(np.arange(first, end) for first, end in pairwise(ends.tolist()))
+        return _Flat(rows, indices, prior, sign, np.concatenate([np.empty(0), *most]), own)
 
     @cached_property
     def _same(self) -> dict[Hashable, list[int]]:
@@ -131,22 +154,82 @@ class SubsetPosterior:
         """Terms that have a place beside others alone, and what these are."""
         return [(i, term.needs) for i, term in enumerate(self.terms) if term.needs]
 
-    @cached_property
-    def _groups(self) -> list[tuple[Array, Array, Array, Array, Array, Array]]:
-        """Terms with as many columns: their indices, columns, priors, signs, prior odds, and own H."""
-        by_size: dict[int, list[int]] = {}
-        for i, term in enumerate(self.terms):
-            by_size.setdefault(len(term.columns), []).append(i)
-        groups = []
-        for k, members in by_size.items():
-            columns, prior, sign = (
-                np.stack([getattr(self.terms[i], name) for i in members]) for name in ("columns", "prior", "sign")
-            )
-            own = self.information[columns[:, :, None], columns[:, None, :]]
-            own = own + _diagonal(1 / prior**2 + JITTER * np.maximum(np.diagonal(own, axis1=1, axis2=2), 1.0))
-            odds = np.array([self.terms[i].log_odds for i in members])
-            groups.append((np.array(members), columns.reshape(-1, k), prior, sign, odds, own))
-        return groups
+    def _added_of(self, listed: bool | None) -> "_Added":
+        """Return what may be added, as of `additions`."""
+        if listed not in self._added:
+            by_size: dict[int, list[int]] = {}
+            for i, term in enumerate(self.terms):
+                if listed is None or term.is_listed == listed:
+                    by_size.setdefault(len(term.columns), []).append(i)
+            every = [self._all.rows[i] for members in by_size.values() for i in members]
+            columns = np.unique(self._all.columns[np.concatenate([np.empty(0, dtype=np.intp), *every])])
+            information = np.asfortranarray(self.information[:, columns])
+            groups = tuple(self._group(members, columns) for members in by_size.values())
+            self._added[listed] = _Added(columns, information, groups)
+        return self._added[listed]
+
+    def _group(self, members: Sequence[int], among: NDArray[np.intp]) -> "_Group":
+        rows = np.stack([self._all.rows[i] for i in members])
+        columns = self._all.columns[rows]
+        own = self.information[columns[:, :, None], columns[:, None, :]] + _diagonal(self._all.own[rows])
+        prior, sign, odds = self._all.prior[rows], self._all.sign[rows], [self.terms[i].log_odds for i in members]
+        return _Group(np.array(members), np.searchsorted(among, columns), prior, sign, np.array(odds), own)
+
+
+@dataclass(frozen=True, eq=False)
+class _Flat:
+    """The columns of all terms, one term after the other; n in all.
+
+    Attributes:
+        rows: Where those of each term stand.
+        columns: Shape (n,), indices into all columns; prior, sign and most as those of a `Term`.
+        own: Shape (n,), what the priors, and rounding, add to the diagonal of the information.
+    """
+
+    rows: tuple[NDArray[np.intp], ...]
+    columns: NDArray[np.intp]
+    prior: Array
+    sign: Array
+    most: Array
+    own: Array
+
+    def rows_of(self, which: Sequence[int]) -> NDArray[np.intp]:
+        """Return where the columns of some terms stand, one term after the other."""
+        return np.concatenate([self.rows[i] for i in which])
+
+
+@dataclass(frozen=True, eq=False)
+class _Group:
+    """E terms of k columns each.
+
+    Attributes:
+        members: Shape (E,), their indices.
+        columns: Shape (E, k), where theirs stand among those that may be added; prior and sign as those of a `Term`.
+        log_odds: Shape (E,).
+        own: Shape (E, k, k), H of each alone.
+    """
+
+    members: NDArray[np.intp]
+    columns: NDArray[np.intp]
+    prior: Array
+    sign: Array
+    log_odds: Array
+    own: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Added:
+    """What may be added, with n columns between them.
+
+    Attributes:
+        columns: Shape (n,), indices into all q columns, in rising order.
+        information: Shape (q, n), of all columns with these.
+        groups: Those with as many columns, group by group.
+    """
+
+    columns: NDArray[np.intp]
+    information: Array
+    groups: "tuple[_Group, ...]"
 
 
 def _solved(root: Array, right: Array, *, transposed: bool = False) -> Array:
