@@ -20,8 +20,10 @@ from bench.diagnose.linearise.signatures import Signatures
 from bench.diagnose.name.beginning import told_by
 from bench.diagnose.name.beside_unlisted import beside_unlisted
 from bench.diagnose.name.discrepancy import Discrepancy, discrepancy_of
+from bench.diagnose.name.leaders import explains_unlisted
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.name.neighbourhood import Neighbourhood
+from bench.diagnose.name.search_space import search_space
 from bench.diagnose.name.selection import name_cause
 from bench.diagnose.replay.given import with_earlier
 from bench.diagnose.replay.instants import recordings_of
@@ -212,6 +214,9 @@ def beyond_plausible(task: Task, found: Explained) -> Explained:
     (but for plays, which are looked for from the largest size): the likelihood is the same, each fit ends where its
     posterior is largest, and what is weighed and held out is weighed and held out anew.
 
+    Where listed causes as large as that explain little of what a free shape does, no fit makes that up, and they are
+    not fitted.
+
     Friction may be three times what is stated, and most of the gas may be gone. That is told as what it looks like, to
     be checked first: another cause, a figure or a channel may be as wrong.
 
@@ -219,12 +224,26 @@ def beyond_plausible(task: Task, found: Explained) -> Explained:
         task: What is asked.
         found: What explains the campaign with plausible causes.
     """
+    if not may_be_larger(found.naming):
+        return found
     task.progress(f"once more, with causes up to {LARGER:g} times as large as is plausible")
     earlier = [m.fit for m in found.naming.models if not any(cause.effect.scatters for cause in m.causes)]
     other = _once_more(task, found, found.signatures.farther(LARGER), LARGER, earlier, learns=False)
     explains = bool(other.naming.models) and other.naming.unlisted is None
     is_as_good = explains and _misfit(other) < _misfit(found) + np.log(SAME)
     return other if other.unfinished or is_as_good else found
+
+
+def may_be_larger(naming: Naming) -> bool:
+    """Whether larger causes than are plausible may explain what a naming calls unlisted, or all, if it has nothing.
+
+    They have to explain the greater part of it in the linearised model. That does not show plays, for where a link
+    rests within one is chance: of these one that a fit wanted larger will do.
+    """
+    if naming.unlisted is None or naming.tried is None or naming.plays_beyond:
+        return True
+    about = search_space(naming.linear, naming.tried, naming.screening.threshold, naming.models[0])
+    return explains_unlisted(about, LARGER)
 
 
 def _once_more(

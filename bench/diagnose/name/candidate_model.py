@@ -68,8 +68,23 @@ def with_shape(linear: LinearisedModel, shape: Block) -> LinearisedModel:
     )
 
 
-def fit_of(plain: LinearisedModel, candidate: CandidateModel, progress: Progress) -> tuple[Fit, tuple[int, ...]] | None:
-    """Return the best fit, and which causes it needs and allows; None where it comes to nothing.
+@dataclass(frozen=True)
+class Fitted:
+    """What a candidate came to.
+
+    Attributes:
+        fit: The best one, of the causes that it needs and allows; without them, so that it passes between processes.
+        kept: Indices of these among the candidate's.
+        too_large: Indices of those that wanted to be larger than plausible.
+    """
+
+    fit: Fit
+    kept: tuple[int, ...]
+    too_large: tuple[int, ...] = ()
+
+
+def fit_of(plain: LinearisedModel, candidate: CandidateModel, progress: Progress) -> Fitted | None:
+    """Return what a candidate comes to; None: nothing.
 
     That is where nothing balances along the motion, or where it stays far behind other models.
     """
@@ -88,14 +103,16 @@ def fit_of(plain: LinearisedModel, candidate: CandidateModel, progress: Progress
             found = fits(start=candidate.start)
         if found is None:
             return None
+        too_large: set[int] = set()
         while len(needed := needed_of(found)) < len(found.causes):
+            too_large |= {candidate.causes.index(cause) for cause in found.causes if not found.allows(cause)}
             found = quickly(needed, found.start, found.nuisances, found)
     except NOT_SIMULATED:
         return None
     if found.log_evidence < candidate.least - FAR:
         return None
     kept = tuple(i for i, cause in enumerate(candidate.causes) if cause in found.causes)
-    return found.with_causes(()), kept
+    return Fitted(found.with_causes(()), kept, tuple(sorted(too_large)))
 
 
 def _best_of(
@@ -121,10 +138,10 @@ def _best_of(
     return best
 
 
-def settled_of(plain: LinearisedModel, done: tuple[CandidateModel, Fit, tuple[int, ...]], progress: Progress) -> Fit:
+def settled_of(plain: LinearisedModel, done: tuple[CandidateModel, Fitted], progress: Progress) -> Fit:
     """Return a fit brought to its end by derivatives of all nuisances about itself; see `fit_of`."""
-    candidate, fit, kept = done
-    causes = tuple(candidate.causes[i] for i in kept)
+    candidate, fit = done[0], done[1].fit
+    causes = tuple(candidate.causes[i] for i in done[1].kept)
     linear = with_shape(plain, candidate.shape) if candidate.shape else plain
     try:
         found = refitted(linear, fit.with_causes(causes), progress)

@@ -12,7 +12,7 @@ from bench.diagnose.extend.refit import refitted
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.generic import Block, anew
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.name.candidate_model import CandidateModel, fit_of, settled_of, starts_elsewhere, with_shape
+from bench.diagnose.name.candidate_model import CandidateModel, Fitted, fit_of, settled_of, starts_elsewhere, with_shape
 from bench.diagnose.name.sizes import log_of_priors
 from bench.executor.contract import Executor, in_order
 from bench.record.campaign import Array
@@ -100,6 +100,7 @@ class Fitter:
         earlier: Fits of the campaign with other priors. Where `known` is none, a fit begins at that of these which has
             most causes in common with it, and with its derivatives.
         models: Keys -> model; None where it finds no balance, is not plausible, or does not need one of its causes.
+        too_large: Keys of causes that a fit wanted to be larger than plausible.
     """
 
     linear: LinearisedModel
@@ -109,6 +110,7 @@ class Fitter:
     settles: bool = True
     earlier: Sequence[Fit] = ()
     models: dict[frozenset[Hashable], Model | None] = field(default_factory=dict)
+    too_large: set[Hashable] = field(default_factory=set)
 
     def fitted(self, candidates: Sequence[CandidateModel]) -> list[Model]:
         """Return the models of trials, each without the causes that it turned out not to need.
@@ -122,8 +124,9 @@ class Fitter:
             {candidate.keys: candidate for candidate in candidates if candidate.keys not in self.models}.values()
         )
         fits = self._fits(new)
-        done = {one.keys: (one, *fit) for one, fit in zip(new, fits, strict=True) if fit}
+        done = {one.keys: (one, fitted) for one, fitted in zip(new, fits, strict=True) if fitted}
         self.models |= {one.keys: self._model(*done[one.keys]) if one.keys in done else None for one in new}
+        self.too_large |= {one.causes[i].key for one, fitted in done.values() for i in fitted.too_large}
         # trials that lose what they do not need come to the same model: it is the likeliest of their fits, settled once
         every = sorted(filter(None, self.models.values()), key=lambda model: model.log_posterior)
         same: dict[frozenset[Hashable], Model | None] = {model.keys: model for model in every}
@@ -133,12 +136,12 @@ class Fitter:
             one
             for keys, one in done.items()
             if self.settles and (model := self.models[keys]) and model is same[model.keys]
-            if not one[1].is_settled and one[1].log_evidence > least
+            if not one[1].fit.is_settled and one[1].fit.log_evidence > least
         ]
         settled = in_order(self.executor, partial(settled_of, self.linear), open_ones)
-        for (candidate, _, kept), fit in zip(open_ones, settled, strict=True):
+        for (candidate, fitted), fit in zip(open_ones, settled, strict=True):
             if model := self.models[candidate.keys]:
-                same[model.keys] = self._model(candidate, fit, kept)
+                same[model.keys] = self._model(candidate, replace(fitted, fit=fit))
         self.models = {keys: same[model.keys] if model else None for keys, model in self.models.items()}
         models = (self.models[keys] for keys in dict.fromkeys(candidate.keys for candidate in candidates))
         unique = {model.keys: model for model in models if model is not None}
@@ -150,7 +153,7 @@ class Fitter:
         One of which a cause explains nothing any more, or wants to be larger than plausible, is fitted again without
         that: the others are no worse for it.
         """
-        known = self._model(candidate, model.fit, tuple(range(len(candidate.causes))))
+        known = self._model(candidate, Fitted(model.fit, tuple(range(len(candidate.causes)))))
         if known:
             self.models[candidate.keys] = known
         return candidate
@@ -167,7 +170,7 @@ class Fitter:
             if model is None or model.keys != keys
         }
 
-    def _fits(self, new: Sequence[CandidateModel]) -> list[tuple[Fit, tuple[int, ...]] | None]:
+    def _fits(self, new: Sequence[CandidateModel]) -> list[Fitted | None]:
         """Return what each candidate comes to; see `fit_of`.
 
         Where shapes have to be looked for, the first one does so for all that have the same causes.
@@ -180,8 +183,7 @@ class Fitter:
         (first,) = in_order(self.executor, fits, new[:1])
         others = list(new[1:])
         if first:
-            fit, kept = first
-            known = fit.with_causes(tuple(new[0].causes[i] for i in kept))
+            known = first.fit.with_causes(tuple(new[0].causes[i] for i in first.kept))
             others = [replace(one, start=one.start | known.start, known=known) for one in others]
         return [first, *in_order(self.executor, fits, others)]
 
@@ -196,14 +198,16 @@ class Fitter:
         nearest = self.earlier[max(shared, key=shared.__getitem__)]
         return replace(candidate, start=candidate.start | nearest.start, known=nearest)
 
-    def _model(self, candidate: CandidateModel, fit: Fit, kept: tuple[int, ...]) -> Model | None:
-        causes = tuple(candidate.causes[i] for i in kept)
-        fit = fit.with_causes(causes)
+    def _model(self, candidate: CandidateModel, fitted: Fitted) -> Model | None:
+        causes = tuple(candidate.causes[i] for i in fitted.kept)
+        fit = fitted.fit.with_causes(causes)
         if not all(fit.allows(cause) and fit.acts(cause) for cause in causes):
             return None
         if not causes and candidate.shape is None:
             return Model(self.null)
-        odds = sum(candidate.log_odds[i] for i in (*kept, *range(len(candidate.causes), len(candidate.log_odds))))
+        odds = sum(
+            candidate.log_odds[i] for i in (*fitted.kept, *range(len(candidate.causes), len(candidate.log_odds)))
+        )
         evidence = fit.log_evidence - self.null.log_evidence + log_of_priors(fit)
         return Model(fit, candidate.shape, evidence, evidence + odds)
 

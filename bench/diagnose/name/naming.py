@@ -60,6 +60,7 @@ class Naming:
         promising: Causes that the last search found likely and that were not fitted.
         stopped: Why the search ended early; "" where it did not.
         tried: Everything that was tried on the best model, as `linear` whitens it; None: there is none.
+        plays_beyond: Plays that a fit wanted to be larger than plausible.
     """
 
     kind: Kind
@@ -72,6 +73,7 @@ class Naming:
     promising: tuple[Cause, ...] = ()
     stopped: str = ""
     tried: Tried | None = None
+    plays_beyond: frozenset[Hashable] = frozenset()
 
     @property
     def unlisted(self) -> Block | None:

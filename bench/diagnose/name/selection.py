@@ -89,6 +89,7 @@ class _Selection:
         findings: Of the best model, each held against what was held out.
         refusals: What did not pay.
         plays_behind: What acted at one joint with a play in models that fell behind.
+        plays_beyond: Plays that a fit wanted to be larger than plausible.
         promising: Listed causes of the subset that the last search found most probable.
         causes: Everything listed that the last search might have taken, by key.
         posterior: Of the last search, subset of keys -> logarithm of its posterior odds.
@@ -109,6 +110,7 @@ class _Selection:
     findings: dict[Hashable, Finding] = field(default_factory=dict)
     refusals: Refusals = field(default_factory=Refusals)
     plays_behind: set[frozenset[Hashable]] = field(default_factory=set)
+    plays_beyond: set[Hashable] = field(default_factory=set)
     promising: tuple[Cause, ...] = ()
     causes: dict[Hashable, Cause] = field(default_factory=dict)
     posterior: dict[frozenset[Hashable], float] = field(default_factory=dict)
@@ -142,6 +144,7 @@ class _Selection:
             promising=self.promising if stopped else (),
             stopped=stopped,
             tried=None if is_null else self.tried,
+            plays_beyond=frozenset(self.plays_beyond),
         )
 
     def _groups(self, ranked: Sequence[Finding]) -> tuple[AmbiguityGroup, ...]:
@@ -225,6 +228,7 @@ class _Selection:
         candidates = [present, *map(about.candidate_of, others), *plays.values()]
         self.progress(f"fitting {len(candidates) - 1} models")
         models = fitter.fitted(candidates) or [Model(self.null)]
+        self.plays_beyond |= {cause.key for cause in self.causes.values() if cause.effect.scatters} & fitter.too_large
         if is_last:
             models = with_other_names(about, subsets, fitter, models)
         first = likeliest(models)
