@@ -21,6 +21,7 @@ import mujoco
 import numpy as np
 
 from bench.robot.compiled import CompiledRobot, SpecEdit, check_load_body, compile_spec, counterbalance_of
+from bench.robot.counterbalance import Counterbalance
 from bench.robot.folder import Robot
 from bench.robot.patching.numbers import NotPatchableError
 from bench.robot.patching.overlay import SpecOverlay
@@ -32,7 +33,7 @@ from bench.robot.plugins import entry_of, name_instances
 from bench.robot.recent import Recent
 
 MOST_STRUCTURES = 64  # kept compiled, besides the robot's own
-MOST_ROBOTS = 12  # remembered, so that most models of a pool are free: a world asks again for each of its robots
+MOST_ROBOTS = 128  # remembered: a world asks again for each of its robots, one for each run where these warm up
 OF_FRICTION = {  # what a compiled robot has of its friction elements: side, and attribute
     "motor_coulomb": ("motor", "coulomb"),
     "link_coulomb": ("link", "coulomb"),
@@ -149,6 +150,8 @@ class Structure:
             for index, actuator in enumerate(sharing)
         }
         self._own = CompiledStructure(robot, self._named, SpecOverlay(proxy(self)))
+        self._standing: object = None  # where the parts of the last robot stood, and the gas between them
+        self._counterbalance: Counterbalance | None = None
         drives = robot.figures.drives
         self._friction = {drive.motor_friction: ("motor", i) for i, drive in enumerate(drives)}
         self._friction |= {drive.link_friction: ("link", i) for i, drive in enumerate(drives)}
@@ -235,15 +238,18 @@ class Structure:
         ):
             raise NotPatchableError("attributes that a plugin refuses")
         found = replace(self._with_friction(overlay), model=model, at=at)
-        moves = structure.moves(overlay)
-        if moves or self._touches_gas(overlay):
-            data.qpos[:] = model.qpos0
-            mujoco.mj_kinematics(model, data)
-            if moves:
-                check_load_body(self._folder, data, at)
-            spec = cast(mujoco.MjSpec, overlay)
-            found = replace(found, counterbalance=counterbalance_of(self._folder, spec, model, data, at))
-        return found
+        standing = structure, structure.layout, self._gas(overlay)
+        if self._standing != standing:
+            moves, counterbalance = structure.moves(overlay), self._nominal.counterbalance
+            if moves or standing[2]:
+                data.qpos[:] = model.qpos0
+                mujoco.mj_kinematics(model, data)
+                if moves:
+                    check_load_body(self._folder, data, at)
+                spec = cast(mujoco.MjSpec, overlay)
+                counterbalance = counterbalance_of(self._folder, spec, model, data, at)
+            self._standing, self._counterbalance = standing, counterbalance
+        return replace(found, counterbalance=self._counterbalance)
 
     def _structure(self, overlay: SpecOverlay) -> CompiledStructure:
         if not overlay.operations:
@@ -276,9 +282,13 @@ class Structure:
     def _is_own(self, plugin: Handle) -> bool:
         return plugin.number < len(self.names["plugin"])
 
-    def _touches_gas(self, overlay: SpecOverlay) -> bool:
+    def _gas(self, overlay: SpecOverlay) -> tuple[tuple[tuple[str, str], ...], ...]:
+        """Return the texts of the counterbalance, where an overlay notes any."""
         balance = self._folder.figures.counterbalance
-        return balance is not None and any(
-            self._is_own(handle) and balance.actuator in self.users.get(self.names["plugin"][handle.number], [])
-            for handle in overlay.configs
+        if balance is None:
+            return ()
+        return tuple(
+            tuple(config.items())
+            for handle, config in overlay.configs.items()
+            if self._is_own(handle) and balance.actuator in self.users.get(self.names["plugin"][handle.number], [])
         )

@@ -89,9 +89,10 @@ def steps_of(world: World, conditions: Conditions) -> list[Step]:
         for after in (False, True)
     )
     steps = [*figures, Step(payload_kg, lambda: (bolt_on(payload_kg),) if payload_kg else ())]
-    during = conditions.key
     for acting in world.acting:
-        key = acting.effect, acting.place, tuple(acting.values.items()), during
+        effect, place = acting.effect, acting.place
+        during = conditions.key if effect.depends_on_conditions else (payload_kg, effect.phase(place, conditions))
+        key = effect, place, tuple(acting.values.items()), during
         steps.append(Step(key, partial(_acting, acting, conditions)))
     return [*steps, *drifts]
 

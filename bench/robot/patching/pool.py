@@ -13,7 +13,7 @@ from typing import Generic, TypeVar
 
 from bench.actuators import library
 
-MOST = 16  # objects kept
+MOST = 144  # objects kept; more than robots are remembered, for most of them hold one
 T = TypeVar("T")
 
 

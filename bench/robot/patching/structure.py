@@ -1,6 +1,7 @@
 """A structure of a robot's model, compiled once; what edits change in its numbers is written into copies of it."""
 
 import copy
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
@@ -19,6 +20,10 @@ from bench.robot.patching.pool import Pool, engine
 
 class CompiledStructure:
     """One structure.
+
+    Attributes:
+        model, data, at: As it was compiled.
+        layout: Models that were patched while it stayed the same differ in nothing but friction, stiffness and gravity.
 
     Args:
         robot: The folder.
@@ -60,6 +65,9 @@ class CompiledStructure:
         self._indices: dict[Handle, int] = {}
         self._carried: dict[tuple[Handle, str], list[Handle]] = {}
         self._places: dict[tuple[Handle, str], tuple[Patch, int]] = {}
+        self._last = copy.copy(self.model)  # the last one of which all numbers were written, and these
+        self._last_numbers: dict[tuple[Handle, str], Any] | None = None
+        self.layout = 0
         compiler = self._spec.compiler
         self._copies_masses = not (
             compiler.boundmass or compiler.boundinertia or compiler.balanceinertia or compiler.settotalmass > 0
@@ -81,13 +89,51 @@ class CompiledStructure:
             NotPatchableError: A number that the compiler did not copy, or would not.
         """
         model = self._models.take()
+        numbers = overlay.numbers
+        if self._begun:
+            numbers = {key: overlay.read(*key) for key in self._begun} | numbers
+        changed = self._changed(numbers)
+        if changed is None:
+            self._write_all(model, numbers)
+        else:
+            engine().mj_copyModel(model._address, self._last._address)
+            for key in changed:
+                patch, index = self._place(key)
+                patch.write(model, index, numbers[key])
+        for handle, config in overlay.configs.items():
+            if handle not in self._rooms:
+                raise NotPatchableError("attributes of a plugin that is not of the bench")
+            write(model, self.index(handle), config, self._rooms[handle])
+        return model
+
+    def _changed(self, numbers: Mapping[tuple[Handle, str], Any]) -> list[tuple[Handle, str]] | None:
+        """Return which numbers are others than those that were all written last; None: all have to be written.
+
+        Runs of a campaign differ in temperatures, and thus in friction: nothing else of the model depends on that.
+        """
+        last = self._last_numbers
+        if last is None or len(last) != len(numbers):
+            return None
+        changed = []
+        for key, value in numbers.items():
+            if key not in last:
+                return None
+            before = last[key]
+            if before is value or np.array_equal(before, value):
+                continue
+            patch, _ = self._place(key)
+            if patch.derives or patch.moves:
+                return None
+            changed.append(key)
+        return changed
+
+    def _write_all(self, model: mujoco.MjModel, numbers: Mapping[tuple[Handle, str], Any]) -> None:
+        """Write numbers into a copy of the compiled model, and what MuJoCo derives from them."""
+        self._last_numbers = None  # in case that one cannot be written
         engine().mj_copyModel(model._address, self.model._address)
         bodies: set[int] = set()
         sites: set[int] = set()
         derives = moves = False
-        numbers = overlay.numbers
-        if self._begun:
-            numbers = {key: overlay.read(*key) for key in self._begun} | numbers
         for key, value in numbers.items():
             patch, index = self._place(key)
             patch.write(model, index, value)
@@ -97,10 +143,6 @@ class CompiledStructure:
                 bodies.add(index)
             elif handle.kind == "site":
                 sites.add(index)
-        for handle, config in overlay.configs.items():
-            if handle not in self._rooms:
-                raise NotPatchableError("attributes of a plugin that is not of the bench")
-            write(model, self.index(handle), config, self._rooms[handle])
         if bodies or sites:
             set_frames(model, bodies, sites)
         if derives:
@@ -109,7 +151,9 @@ class CompiledStructure:
                 model.stat.meaninertia = model.dof_M0.mean()  # as the compiler does
         if moves:
             self._relax(model)
-        return model
+        engine().mj_copyModel(self._last._address, model._address)
+        self._last_numbers = dict(numbers)
+        self.layout += 1
 
     def data_as_left(self) -> mujoco.MjData:
         """Return data that fit the model and that nobody else holds; whoever takes them resets them."""
