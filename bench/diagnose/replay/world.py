@@ -56,6 +56,24 @@ class World:
         """Whether its robot differs between warm and cold."""
         return any(acting.effect.depends_on_conditions for acting in self.acting)
 
+    @cached_property
+    def payload_share(self) -> float:
+        """True mass of what is bolted on, over the one that was written down."""
+        return 1.0 + sum(value for nuisance, value in self.deviations.items() if nuisance.scales_payload)
+
+    @cached_property
+    def figure_steps(self) -> tuple[tuple[Step, ...], tuple[Step, ...]]:
+        """What its deviations do to the model: before effects act, and after; the same under all conditions."""
+        before, after = (
+            tuple(
+                Step((nuisance, value), partial(_deviating, nuisance.edit, value))
+                for nuisance, value in self.deviations.items()
+                if nuisance.edit and value and nuisance.after_effects is is_after
+            )
+            for is_after in (False, True)
+        )
+        return before, after
+
 
 NOMINAL = World()
 
@@ -78,16 +96,8 @@ def moves(effect: Effect) -> bool:
 
 def steps_of(world: World, conditions: Conditions) -> list[Step]:
     """Return the same, as steps that another world may have in common with this one."""
-    share = 1.0 + sum(value for nuisance, value in world.deviations.items() if nuisance.scales_payload)
-    payload_kg = share * conditions.payload_kg
-    figures, drifts = (
-        [
-            Step((nuisance, value), partial(_deviating, nuisance.edit, value))
-            for nuisance, value in world.deviations.items()
-            if nuisance.edit and value and nuisance.after_effects is after
-        ]
-        for after in (False, True)
-    )
+    payload_kg = world.payload_share * conditions.payload_kg
+    figures, drifts = world.figure_steps
     steps = [*figures, Step(payload_kg, lambda: (bolt_on(payload_kg),) if payload_kg else ())]
     for acting in world.acting:
         effect, place = acting.effect, acting.place
