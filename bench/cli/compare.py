@@ -1,6 +1,6 @@
 """`bench compare`: what changed on a machine between recordings of it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -95,6 +95,7 @@ class Compare:
                     store=open_store() if self.store else None,
                     check=stop.check,
                 )
+                found = replace(found, is_diagnosed=is_handed_over)
                 if folder:
                     write_comparison(found, folder, compiled.robot.figures.title, self.command)
         except Stopped as stopped:

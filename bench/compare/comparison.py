@@ -247,6 +247,7 @@ class Comparison:
         left_before: Channels that the robot as it was misses before, the worst first: the names of what changed are no
             better than that robot.
         unfinished: Why it ended before it was done; None: it was.
+        is_diagnosed: Whether a finished diagnosis handed the robot as it was over.
     """
 
     recordings: tuple[Compared, ...]
@@ -262,6 +263,7 @@ class Comparison:
     left_out: tuple[str, ...] = ()
     left_before: tuple[LeftBefore, ...] = ()
     unfinished: Unfinished | None = None
+    is_diagnosed: bool = False
 
     @property
     def has_changed(self) -> bool:

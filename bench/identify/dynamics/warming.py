@@ -64,8 +64,8 @@ def warming_of(found: FirstPass) -> Warming | None:
         if not len(one):
             continue
         left = one.response(found.solution.delay) - one.model(stays)
-        rubs = _friction(found, one.drive, one.index, one.constant)
-        moving = np.abs(one.constant[:, one.index == _parameter(found, "viscous", one.drive)]).ravel()
+        rubs = friction_of(found, one.drive, one.index, one.constant)
+        moving = np.abs(one.constant[:, one.index == parameter_of(found, "viscous", one.drive)]).ravel()
         after, run = left.copy(), number[one.stretch]
         for k in range(len(names)):
             rows = np.flatnonzero(run == k)
@@ -87,13 +87,14 @@ def _runs(found: FirstPass, recording: str) -> list[str]:
     return [part.samples.run for part in found.stretches if part.samples.recording == recording]
 
 
-def _parameter(found: FirstPass, column: str, drive: int) -> int:
+def parameter_of(found: FirstPass, column: str, drive: int) -> int:
+    """Return the index of a parameter of a drive, of those in `DRIVE_COLUMNS`."""
     return int(np.arange(found.layout.size)[found.layout.of_drives(column)][drive])
 
 
-def _friction(found: FirstPass, drive: int, index: NDArray[np.int64], constant: Array) -> Array:
-    """Return the friction of a drive as it was found, at each of its rows [Nm]."""
-    own = np.isin(index, [_parameter(found, column, drive) for column in RUBS])
+def friction_of(found: FirstPass, drive: int, index: NDArray[np.int64], constant: Array) -> Array:
+    """Return the friction of a drive as it was found, at each of its rows [Nm] or [N]; arguments as of `DriveRows`."""
+    own = np.isin(index, [parameter_of(found, column, drive) for column in RUBS])
     return np.asarray(constant[:, own] @ found.parameters[index[own]])
 
 

@@ -26,6 +26,7 @@ from bench.report.diagnosis.names import title_of as named_as
 from bench.report.diagnosis.numbers import percent
 
 BEST_LIMITS = 8
+MOST_TOLD = 6  # explanations that a terminal shows in full
 SURE = 0.9  # declared, as of an interval: probability of a name from which on a headline says it without the others
 OTHERS = "; and others, listed below"
 LEAST = 1e-12  # of a probability that is said: none is nothing
@@ -57,11 +58,16 @@ def left_before_sentence(comparison: Comparison) -> str:
     worst, *others = comparison.left_before
     before = listed([one.name for one in comparison.recordings if not one.is_after], "and")
     more = f", and other channels of it too ({len(comparison.left_before)} in all)" if others else ""
+    remedy = (
+        "that robot is of a diagnosis, so see what this says of the channel, or state what scatters it more than its "
+        "instrument (instruments in figures.yaml)"
+        if comparison.is_diagnosed
+        else f"diagnose {before} first (bench diagnose) and compare with --robot and the folder of that diagnosis, or "
+        "state in the folder of the robot what it lacks (a spring, a load, friction)"
+    )
     return (
         f"The robot as it was leaves {worst.times:.2g} times as much of {channel_name(worst.column)} in {before} as a "
-        f"right model would{more}, so names of what changed may be wrong: diagnose {before} first (bench diagnose) and "
-        "compare with --robot and the folder of that diagnosis, or state in the folder of the robot what it lacks (a "
-        "spring, a load, friction)."
+        f"right model would{more}, so names of what changed may be wrong: {remedy}."
     )
 
 
@@ -126,7 +132,7 @@ def words_of(comparison: Comparison) -> Iterator[str]:
     yield basis_sentence(comparison)
     yield from findings_sentences(comparison)
     yield from drift_sentences(comparison)
-    for explanation in comparison.explanations:
+    for explanation in comparison.explanations[:MOST_TOLD]:
         names = " with ".join(change_name(change) for change in explanation.changes)
         yield f"{capital(names)}: probability {percent(explanation.probability)}"
         several = len(explanation.changes) > 1
@@ -134,6 +140,10 @@ def words_of(comparison: Comparison) -> Iterator[str]:
             if several:
                 yield f"  {capital(change_name(change))}"
             yield from (f"{'  ' * several}{line}" for line in _change(change, comparison))
+    if len(comparison.explanations) > MOST_TOLD:
+        rest = comparison.explanations[MOST_TOLD:]
+        each = f"{percent(rest[0].probability)} or less" + " each" * (len(rest) > 1)
+        yield f"{len(rest)} more explanations ({each}) stand in comparison.json and the page, with -o."
     if comparison.has_changed:
         yield f"That nothing changed has a probability of {percent(max(comparison.probability_unchanged, LEAST))}."
     yield from limits_sentences(comparison)

@@ -7,10 +7,11 @@ import numpy as np
 from bench.diagnose.baseline.changed_friction import ChangedFriction
 from bench.diagnose.baseline.first_look import FirstLook
 from bench.diagnose.verdict import DriveErrors, Verdict
+from bench.identify.dynamics.behind_gears import friction_share
 from bench.report.diagnosis.names import capital, listed
 from bench.report.diagnosis.numbers import percent
 from bench.report.dynamics import words
-from bench.report.dynamics.notes import warming_notes
+from bench.report.dynamics.notes import behind_gears_notes, warming_notes
 
 MODELS = {  # fields of `DriveErrors` -> what they are called
     "measured": words.MODELS["measured"],
@@ -44,6 +45,7 @@ def first_lines(look: FirstLook) -> Iterator[str]:
     )
     rows = {name: found.held_out.rms(model).tolist() for model, name in words.MODELS.items()}
     yield from table_lines([f"drive {j + 1}" for j in range(len(found.joints))], rows)
+    yield from behind_gears_notes(friction_share(found))
     if len({part.samples.recording for part in found.stretches}) > 1:
         yield f"{ONE_FRICTION} A diagnosis does not."
     worse = np.flatnonzero(np.array(rows[MODELS["plain_least_squares"]]) > np.array(rows[MODELS["measured"]])) + 1

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.identify.dynamics.behind_gears import friction_share
 from bench.identify.dynamics.coupled import coupled_motors
 from bench.identify.dynamics.found import FirstPass, Torques
 from bench.identify.dynamics.held_out import HeldOut
@@ -27,6 +28,7 @@ def notes_of(found: FirstPass, told: Sequence[Quantity], predicted: Mapping[Path
     yield from rivals_notes(found.joints, "what was held out", found.held_out)
     for folder, torques in predicted.items():
         yield from rivals_notes(found.joints, str(folder), torques)
+    yield from behind_gears_notes(friction_share(found))
     yield from warming_notes(warming_of(found))
     for one in coupled_motors(found):
         yield (
@@ -60,8 +62,8 @@ def notes_of(found: FirstPass, told: Sequence[Quantity], predicted: Mapping[Path
     if found.compliance is not None:
         wound = ", ".join(f"{1e6 * max(one, 0.0):.3g}" for one in found.compliance)
         yield (
-            f"Gears wind up, to first order by {wound} urad/Nm (um/N); `bench diagnose` tells their stiffness with "
-            "intervals."
+            f"Gears wind up, to first order by {wound} urad/Nm (um/N), without intervals: of drives with little torque "
+            "that says nothing. `bench diagnose` tells their stiffness with intervals."
         )
     gain = found.nominal.torque_gain_sigma
     is_weighed = found.nominal.payload_sigma < found.nominal.payload
@@ -96,6 +98,22 @@ def _leaning_notes(found: FirstPass, leans: Sequence[Quantity]) -> Iterator[str]
         f'"{" ".join(f"{g:.4f}" for g in found.gravity)}"; what is written there counts as exact. `bench diagnose` '
         "names it with all other causes."
     )
+
+
+def behind_gears_notes(share: float | None) -> Iterator[str]:
+    """Yield that no motor pays these torques; nothing where friction shows, as in those of motors.
+
+    Args:
+        share: As of `friction_share`.
+    """
+    if share is not None:
+        yield (
+            f"These torques have next to no friction in them (no drive more than {share:.1%} of its torque), so they "
+            "are those of sensors behind the gears, or friction was taken out of them. Masses and payload are told by "
+            "them, too. What motors pay for friction and rotors is not in them: what is handed over predicts torques "
+            "on the links, and is no feed-forward of motors. For a model of the drives give torques or currents of the "
+            "motors."
+        )
 
 
 def warming_notes(warming: Warming | None) -> Iterator[str]:

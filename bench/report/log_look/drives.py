@@ -177,6 +177,7 @@ def _measured(fitting: Sequence[_Held], columns: Mapping[str, Array], remarks: l
     for held in fitting:
         if held is not best:
             remarks.append(
-                f"{held.family.shown}: follow the torque too; {best.family.shown} are taken, as what was measured"
+                f"{held.family.shown}: follow the torque too; {best.family.shown} are taken, as what was measured "
+                "(sensors behind the gears feel no friction of the drives: take the torques of motors, to model these)"
             )
     return best

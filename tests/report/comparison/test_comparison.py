@@ -9,7 +9,7 @@ import pytest
 
 from bench.compare.comparison import ChangedFinding, Comparison, Explanation, LeftBefore, PossibleName
 from bench.report.comparison.page import lines_of, page_of
-from bench.report.comparison.words import headline, words_of
+from bench.report.comparison.words import MOST_TOLD, headline, words_of
 from bench.report.comparison.write import COMPARISON, REPORT, write_comparison
 from bench.report.diagnosis.headline import MOST
 from tests.report.comparison.examples import COLD, FRICTION, GAS, MORE, NOTHING, ONE, OTHER, SET, THREE, TWO, UNLISTED
@@ -83,6 +83,9 @@ def test_a_robot_that_is_far_from_what_was_recorded_before_is_said_near_the_top(
     page = page_of(far, "HH-150", "")
     assert said in page
     assert page.index(said) < page.index("In full")
+    told = list(words_of(replace(far, is_diagnosed=True)))[1]
+    assert "compare with --robot" not in told, "that was done already"
+    assert "that robot is of a diagnosis" in told
     assert far.as_json()["left_before"][0] == {"column": "current_2_a", "times": 26.4}
 
 
@@ -91,6 +94,16 @@ def test_terminal_gives_every_explanation_with_its_size() -> None:
     assert "lost +1.24 % (90 % interval 1.12 to 1.36)   share" in words, "a percentage says of what it is one"
     assert "offset -3.60 K (90 % interval -4.00 to -3.20)" in words
     assert "lost +1.24 % (90 % interval 1.12 to 1.36) (share)" in page_of(SET, "HH-150", "")
+
+
+def test_a_terminal_is_not_flooded_with_explanations() -> None:
+    """Of a stranger's arm it gave 44 of them, in 2384 lines."""
+    each = SET.explanations[0]
+    many = replace(SET, explanations=tuple(replace(each, probability=0.5 / 2**i) for i in range(40)))
+    lines = list(words_of(many))
+    assert sum(": probability" in line for line in lines) == MOST_TOLD
+    assert "34 more explanations (0.78 % or less each) stand in comparison.json and the page, with -o." in lines
+    assert not any("more explanations" in line for line in words_of(SET))
 
 
 def test_what_holds_from_a_run_on_is_no_change_of_the_machine() -> None:
