@@ -143,7 +143,7 @@ def words_of(comparison: Comparison) -> Iterator[str]:
     if len(comparison.explanations) > MOST_TOLD:
         rest = comparison.explanations[MOST_TOLD:]
         each = f"{percent(rest[0].probability)} or less" + " each" * (len(rest) > 1)
-        yield f"{len(rest)} more explanations ({each}) stand in comparison.json and the page, with -o."
+        yield f"{len(rest)} more explanations ({each}) stand in compare.json and the page, with -o."
     if comparison.has_changed:
         yield f"That nothing changed has a probability of {percent(max(comparison.probability_unchanged, LEAST))}."
     yield from limits_sentences(comparison)

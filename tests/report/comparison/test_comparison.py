@@ -102,7 +102,7 @@ def test_a_terminal_is_not_flooded_with_explanations() -> None:
     many = replace(SET, explanations=tuple(replace(each, probability=0.5 / 2**i) for i in range(40)))
     lines = list(words_of(many))
     assert sum(": probability" in line for line in lines) == MOST_TOLD
-    assert "34 more explanations (0.78 % or less each) stand in comparison.json and the page, with -o." in lines
+    assert "34 more explanations (0.78 % or less each) stand in compare.json and the page, with -o." in lines
     assert not any("more explanations" in line for line in words_of(SET))
 
 
