@@ -20,10 +20,9 @@ from bench.diagnose.linearise.signatures import Signatures
 from bench.diagnose.name.beginning import told_by
 from bench.diagnose.name.beside_unlisted import beside_unlisted
 from bench.diagnose.name.discrepancy import Discrepancy, discrepancy_of
-from bench.diagnose.name.leaders import explains_unlisted
+from bench.diagnose.name.larger import may_be_larger
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.name.neighbourhood import Neighbourhood
-from bench.diagnose.name.search_space import search_space
 from bench.diagnose.name.selection import name_cause
 from bench.diagnose.replay.given import with_earlier
 from bench.diagnose.replay.instants import recordings_of
@@ -232,18 +231,6 @@ def beyond_plausible(task: Task, found: Explained) -> Explained:
     explains = bool(other.naming.models) and other.naming.unlisted is None
     is_as_good = explains and _misfit(other) < _misfit(found) + np.log(SAME)
     return other if other.unfinished or is_as_good else found
-
-
-def may_be_larger(naming: Naming) -> bool:
-    """Whether larger causes than are plausible may explain what a naming calls unlisted, or all, if it has nothing.
-
-    They have to explain the greater part of it in the linearised model. That does not show plays, for where a link
-    rests within one is chance: of these one that a fit wanted larger will do.
-    """
-    if naming.unlisted is None or naming.tried is None or naming.plays_beyond:
-        return True
-    about = search_space(naming.linear, naming.tried, naming.screening.threshold, naming.models[0])
-    return explains_unlisted(about, LARGER)
 
 
 def _once_more(

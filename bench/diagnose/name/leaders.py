@@ -1,7 +1,6 @@
 """Which models a search is worth to simulate."""
 
 from collections.abc import Callable, Hashable, Sequence, Set
-from dataclasses import replace
 
 from bench.diagnose.name.candidate_model import CandidateModel
 from bench.diagnose.name.groups import IN_SET
@@ -154,23 +153,10 @@ def without(
     if not with_listed:
         return (alone,)
     best = search(about.model, [alone], expanded=GROWING)[0]
-    return tuple(dict.fromkeys((alone, best.terms))) if _replaces(about.model, best, alone, terms) else (alone,)
+    return tuple(dict.fromkeys((alone, best.terms))) if stands_in_for(about.model, best, alone, terms) else (alone,)
 
 
-def explains_unlisted(about: SearchSpace, reach: float) -> bool:
-    """Whether listed causes may explain the greater part of what the free shape of a model does.
-
-    Args:
-        about: The model, with a free shape.
-        reach: Times what is plausible, that the causes go up to.
-    """
-    terms = [replace(term, prior=reach * term.prior) if term.is_listed else term for term in about.model.terms]
-    model = SubsetPosterior(about.model.information, about.model.scores, terms)
-    alone = tuple(i for i in about.present if i not in about.shape)
-    return _replaces(model, search(model, [alone], expanded=GROWING)[0], alone, about.present)
-
-
-def _replaces(model: SubsetPosterior, best: Subset, alone: Sequence[int], terms: Sequence[int]) -> bool:
+def stands_in_for(model: SubsetPosterior, best: Subset, alone: Sequence[int], terms: Sequence[int]) -> bool:
     """Whether listed terms explain the greater part of what a free shape does beside others, which are `alone`."""
     nothing, everything = (float(model.log_posterior(some)) for some in (alone, terms))
     return best.log_posterior - nothing >= IN_ITS_PLACE * (everything - nothing)
