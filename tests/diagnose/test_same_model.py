@@ -10,7 +10,7 @@ import pytest
 from bench.diagnose.extend.fit import Fit, unknowns_of
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.name import models as models_module
-from bench.diagnose.name.candidate_model import CandidateModel
+from bench.diagnose.name.candidate_model import CandidateModel, Fitted
 from bench.diagnose.name.models import Fitter, Model
 from bench.diagnose.name.selection import MOST_ROUNDS, _Selection
 from bench.effects.catalogue import catalogue
@@ -37,12 +37,12 @@ def test_trials_that_come_to_the_same_model_are_settled_once_and_the_likeliest_i
     trials = [
         CandidateModel(causes, None, {}, None, (-5.0,) * len(causes)) for causes in ((LOST, FIRST), (LOST, SECOND))
     ]
-    ends = [(fit_of((LOST,), evidence), (0,)) for evidence in (40.0, 38.0)]
+    ends = [Fitted(fit_of((LOST,), evidence), (0,)) for evidence in (40.0, 38.0)]
     settled: list[float] = []
 
-    def settled_of(_linear: Any, done: tuple[CandidateModel, Fit, Any], _progress: Any) -> Fit:
-        settled.append(done[1].log_evidence)
-        return replace(done[1], log_evidence=done[1].log_evidence + 1)
+    def settled_of(_linear: Any, done: tuple[CandidateModel, Fitted], _progress: Any) -> Fit:
+        settled.append(done[1].fit.log_evidence)
+        return replace(done[1].fit, log_evidence=done[1].fit.log_evidence + 1)
 
     monkeypatch.setattr(models_module, "settled_of", settled_of)
     monkeypatch.setattr(Fitter, "_fits", lambda self, new: ends[: len(new)])
