@@ -16,7 +16,7 @@ from bench.robot.folder import load_robot
 from bench.robot.patched import Step
 from bench.robot.patching.structure import CompiledStructure
 from bench.simulate.payload import bolt_on
-from tests.robot.test_patched import Both, assert_same
+from tests.robot.both import Both, assert_same
 
 
 @pytest.fixture
@@ -70,12 +70,19 @@ def test_what_moves_or_weighs_is_written_anew(both: Both, written: list[int]) ->
 
 
 def test_gas_is_that_of_each_robot(both: Both) -> None:
-    """Its closed form is made anew where its texts or its anchors are others, and only there."""
-    com = edit_of(both, "link_com", {"x": 0.01, "y": 0.0, "z": 0.0})
-    for lost in (0.1, 0.2, 0.1):
-        gas = edit_of(both, "gas_loss", {"lost": lost})
-        for edits in ([com, gas], [gas], [com], []):
+    """Robots that have all numbers in common may differ in the texts of their gas alone."""
+    for lost, x in ((0.1, 0.01), (0.2, 0.02)):
+        com = edit_of(both, "link_com", {"x": x, "y": 0.0, "z": 0.0})
+        gas, more = (edit_of(both, "gas_loss", {"lost": share}) for share in (lost, 2 * lost))
+        for edits in ([com, gas], [com, more], [com], [gas], []):
             assert_same(both.patched(edits), both.compiled(edits))
+
+
+def test_robots_of_as_many_runs_as_a_day_has_are_made_once(both: Both) -> None:
+    """Of 47 runs that differ in temperature each was made twice for one simulation: first those of 12 were kept."""
+    runs = [[edit_of(both, "friction_temperature", {}, gear_k)] for gear_k in np.linspace(295.0, 310.0, 100)]
+    first = [both.patched(edits) for edits in runs]
+    assert all(both.patched(edits) is robot for edits, robot in zip(runs, first, strict=True))
 
 
 def test_a_robot_that_somebody_changed_changes_no_other(both: Both) -> None:

@@ -183,7 +183,7 @@ def _least(objective: Objective, state: State, slopes: Derivatives, how: _How) -
         before = state
         if promised >= ENOUGH:
             state = _downhill(objective, state, slopes, step)
-            if how.least - _log_evidence(objective, state.objective, slopes) > max(FAR, behind / 2):
+            if behind - (before.objective - state.objective) / 2 > max(FAR, behind / 2):
                 return state, slopes, True
             if before.objective - state.objective >= FAITHFUL * promised:
                 continue
