@@ -15,7 +15,7 @@ from bench.diagnose.linearise.screening import NARROWER, Entry
 from bench.diagnose.linearise.threshold import LEAST, family_threshold
 from bench.diagnose.name.groups import IN_SET
 from bench.diagnose.name.naming import shares_of
-from bench.diagnose.name.search import Alternative, alternatives_of, exchanges, search
+from bench.diagnose.name.search import Alternative, alternatives_of, everywhere, exchanges, searched_from_each
 from bench.diagnose.name.search_space import GREATER_PART
 from bench.diagnose.name.subset_posterior import SubsetPosterior, Term
 from bench.record.campaign import Array
@@ -144,7 +144,8 @@ def find_changes(background: Background, profiles: Sequence[Profile], rate: floa
     order = np.argsort(-np.array(evidence), kind="stable")
     chosen = tuple(possible[i] for i in order[:MOST_TERMS])
     model = _model(courses, chosen, len(every))
-    visited = search(model)
+    places = [(one.entry.cause.effect.name, one.profile) if one.entry.cause else None for one in chosen]
+    visited = searched_from_each(model, ((), *everywhere(model, places)))
     subsets = {subset.terms: subset for subset in (*visited, *exchanges(model, visited[0], most=2))}
     alternatives = tuple(alternatives_of(model, subsets.values()))
     return Found(
