@@ -1,6 +1,7 @@
 """The robot as a campaign shows it, without any named cause: what a comparison is linear about."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -34,10 +35,10 @@ from bench.effects.division import divided, payload_as_body
 from bench.effects.fitted import entry_of
 from bench.effects.gas import CounterbalanceGas
 from bench.errors import NOT_SIMULATED
-from bench.executor.contract import Executor
+from bench.executor.contract import Executor, Progress, in_order
 from bench.executor.serial import SERIAL
-from bench.executor.watched import Check, never
-from bench.record.campaign import Array, Campaign
+from bench.executor.watched import Check, Watched, never
+from bench.record.campaign import Campaign
 from bench.record.carried import with_payloads
 from bench.robot.compiled import CompiledRobot, compile_robot, compile_spec, read_spec
 from bench.robot.fitted import Fitted
@@ -75,7 +76,7 @@ def as_it_was(
         compiled: The robot to begin with; it is returned where no model can be fitted to them.
         folder: For the files of the fitted robot, which have to stay for as long as it is used.
         is_handed_over: Whether a finished diagnosis handed the robot over.
-        executor: Where to simulate signatures; the result does not depend on it.
+        executor: Where to simulate; the result does not depend on it.
         check: Called before every simulation of a fit; where it raises `Stopped`, there is no such robot.
 
     Raises:
@@ -90,20 +91,21 @@ def as_it_was(
     known = {name: effect for name, effect in catalogue().items() if name in (*LEFT_OUT, CounterbalanceGas.name)}
     if is_handed_over:
         known = {name: effect for name, effect in known.items() if effect.between == "anew"}
+    watched = Watched(executor, check)
     measured, recorded = measured_by(campaign), recorded_by(campaign, compiled)
     causes = causes_of([*known.values()], compiled, measured, recorded)
     with threadpool_limits(1, "blas"):  # as all of a comparison: threads would change roundings, and cost time
         try:
-            changes = Signatures(compiled, quantities, nuisances, causes).sensitivities(segments, executor)
+            changes = Signatures(compiled, quantities, nuisances, causes).sensitivities(segments, watched)
             linear = linearised_model_of(Replay(compiled, segments, quantities), nuisances, changes.nuisances)
-            fit = _fitted(linear, (), {}, check)
+            fit = refit(linear, (), {}, progress=lambda share: check())
             world = fit.world(linear)
             if causes and _left(linear, fit) > FITS:
-                around = Neighbourhood(compiled, known, measured, FALSE_ALARM_RATE, executor, recorded)
+                around = Neighbourhood(compiled, known, measured, FALSE_ALARM_RATE, watched, recorded)
                 weighed, screening = around.weighed(linear, causes, changes)
                 if not is_handed_over or _shows(screening):
                     candidate = what_is_left_out(weighed, screening, Model(fit), known)
-                    world = _with_what_is_left_out(linear, fit, candidate, check, may_be_held=not is_handed_over)
+                    world = _with_what_is_left_out(linear, fit, candidate, watched, may_be_held=not is_handed_over)
             return _written(compiled, as_of(world, recordings_of(segments)[-1]), folder / "robot")
         except NOT_SIMULATED:
             return compiled
@@ -120,7 +122,7 @@ def _left(linear: LinearisedModel, fit: Fit) -> float:
 
 
 def _with_what_is_left_out(
-    linear: LinearisedModel, nominal: Fit, candidate: CandidateModel, check: Check, *, may_be_held: bool
+    linear: LinearisedModel, nominal: Fit, candidate: CandidateModel, executor: Executor, *, may_be_held: bool
 ) -> World:
     """Return the likeliest world: with figures alone, with what nobody stated, or with torques over angles beside it.
 
@@ -128,49 +130,48 @@ def _with_what_is_left_out(
         linear: The campaign.
         nominal: Fit of the figures alone.
         candidate: What nobody stated.
-        check: Called before every simulation.
+        executor: Where to fit.
         may_be_held: Whether something else may hold the joints, which is asked where even so not all is explained.
     """
     starts: tuple[Mapping[Key, float], ...] = ({}, candidate.start)
-    fits = [_settled(linear, candidate.causes, start, check) for start in starts]
-    best = max(nominal, *fits, key=lambda one: one.log_evidence)
+    found = _likeliest(linear, candidate.causes, starts, executor)
+    best = max(nominal, found, key=lambda one: one.log_evidence)
     if not may_be_held or _left(linear, best) <= FITS:
         return best.world(linear)
     torques = free_torques(linear)
     design = beside(linear, torques)
-    fits = [_settled(design, candidate.causes, start, check) for start in starts]
-    other = max(fits, key=lambda one: one.log_evidence)
+    other = _likeliest(design, candidate.causes, starts, executor)
     if other.log_evidence < best.log_evidence:
         return best.world(linear)
     world = other.world(design)
     return World(world.deviations, (*world.acting, *acting_in(linear, torques, other)))
 
 
-def _settled(linear: LinearisedModel, causes: tuple[Cause, ...], start: Mapping[Key, float], check: Check) -> Fit:
+def _likeliest(
+    linear: LinearisedModel, causes: tuple[Cause, ...], starts: Sequence[Mapping[Key, float]], executor: Executor
+) -> Fit:
+    """Return the most probable of fits of figures and causes together, settled, one from each start.
+
+    Where it begins decides which optimum a fit ends in, for a first moment without a mass shows nothing: from causes of
+    no size, 5 kg half a metre beside a payload of 9 kg, at 76 times the noise; from what signatures say, 0.05 kg in
+    place of 3 kg.
+    """
+    fits = in_order(executor, partial(_settled, linear, causes), starts)
+    return max(fits, key=lambda one: one.log_evidence).with_causes(causes)
+
+
+def _settled(linear: LinearisedModel, causes: tuple[Cause, ...], start: Mapping[Key, float], progress: Progress) -> Fit:
     """Return a fit of figures and causes together, settled.
 
     One that was not put what a payload of 7.3 kg weighs into the centre of mass of the last link, ten standard
-    deviations away, and what changed was named as links. Where it begins decides which optimum it ends in, for a first
-    moment without a mass shows nothing: from causes of no size, 5 kg half a metre beside a payload of 9 kg, at 76 times
-    the noise; from what signatures say, 0.05 kg in place of 3 kg.
+    deviations away, and what changed was named as links.
     """
-    fit = _fitted(linear, causes, start, check)
+    fit = refit(linear, causes, start, progress=progress)
     for _ in range(MOST_FITS):
-        before, fit = fit, _fitted(linear, causes, fit.start, check, fit.nuisances)
+        before, fit = fit, refit(linear, causes, fit.start, fit.nuisances, progress=progress)
         if fit.log_evidence - before.log_evidence < SETTLED:
             break
-    return fit
-
-
-def _fitted(
-    linear: LinearisedModel,
-    causes: tuple[Cause, ...],
-    start: Mapping[Key, float],
-    check: Check,
-    nuisances: Array | None = None,
-) -> Fit:
-    """Return a fit of figures and causes; it is stopped before any of its simulations."""
-    return refit(linear, causes, start, nuisances, progress=lambda share: check())
+    return fit.with_causes(())
 
 
 def _written(compiled: CompiledRobot, world: World, folder: Path) -> CompiledRobot:

@@ -143,7 +143,13 @@ def test_no_fit_begins_where_no_machine_can_be(
         linear: LinearisedModel, causes: Sequence[Cause], start: Mapping[Key, float], *more: Any, **how: Any
     ) -> Fit:
         begun.append((tuple(causes), start))
-        return refit(linear, (), {})
+        unknowns = unknowns_of(tuple(causes))  # as if the fit had found none of it
+        null = np.array([unknown.parameter.null for unknown in unknowns], dtype=float)
+        fit, k = refit(linear, (), {}), len(unknowns)
+        jacobian = np.zeros((*fit.residual.shape, k))
+        return replace(
+            fit, causes=tuple(causes), unknowns=unknowns, values=null, covariance=np.eye(k), jacobian=jacobian
+        )
 
     monkeypatch.setattr(as_it_was_module, "refit", noted)
     as_it_was(with_balancer(recorded(arm, 1)), arm, tmp_path)
