@@ -36,6 +36,7 @@ class Apply:
         from bench.report.handover.apply import DRIVES, README, TORQUES, beyond, summary, urdf_name, write_applied
         from bench.report.handover.feed_forward import feed_forward, read_motion
         from bench.report.handover.motion_faults import gaps
+        from bench.report.handover.urdf_gaps import WITHOUT_FRICTION
         from bench.report.joint_campaign import UNFINISHED
         from bench.report.prediction.model import load_model
         from bench.robot.figures import MOST_RATINGS
@@ -57,6 +58,8 @@ class Apply:
             print(f"warning  {robot.folder}: {'; '.join(UNFINISHED)}", file=sys.stderr)
         if self.payload_kg > rated:
             print(f"warning  {self.payload_kg:g} kg are more than the {rated:.3g} kg of the rating", file=sys.stderr)
+        if applied.is_without_friction:
+            print(f"warning  {WITHOUT_FRICTION}", file=sys.stderr)
         if motion is not None and table is not None:
             for words in (*gaps(motion.time, motion.q), *beyond(table, motion, applied)):
                 print(f"warning  {words}", file=sys.stderr)

@@ -3,10 +3,12 @@
 from dataclasses import dataclass
 
 import mujoco
+import numpy as np
 
 from bench.diagnose.replay.fitted import fitted_world
 from bench.diagnose.replay.world import World, edits_in
 from bench.effects.conditions import Conditions
+from bench.report.handover.drag import drag_of
 from bench.robot.bodies import RigidBodies
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot, compile_spec, read_spec
 from bench.robot.folder import Robot
@@ -32,6 +34,12 @@ class Applied:
     passive: tuple[str, ...]
     world: World
     conditions: Conditions
+
+    @property
+    def is_without_friction(self) -> bool:
+        """Whether no drive has any: of no friction drive, or fitted to torques of sensors behind the gears."""
+        levels = (self.compiled.motor_coulomb, self.compiled.link_coulomb, self.compiled.motor_rolling)
+        return not (any(map(np.any, levels)) or np.any(drag_of(self.compiled)))
 
 
 def applied_robot(robot: Robot, payload_kg: float = 0.0) -> Applied:

@@ -8,6 +8,10 @@ from bench.report.handover.applied import Applied
 from bench.robot.plugins import attributes_of
 
 GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], which readers of URDF take unless told
+WITHOUT_FRICTION = (
+    "friction: there is none in any drive. If the robot was fitted to torques of sensors behind the gears, that is "
+    "right for those; motors have to pay their friction and their rotors beside"
+)
 LAWS = "SI; names and laws: bench.friction in bench/actuators/README.md"
 ROUND = 4  # digits that are shown; drives.csv has all
 # Of a friction element: the level is in the URDF, the second is how a simulation holds it, the third a name
@@ -27,6 +31,8 @@ def gaps_of(applied: Applied) -> Iterator[str]:
         yield "play, softening or coupling of the gears"
     if applied.passive:
         yield f"passive hinges, which are stiff here: {', '.join(applied.passive)}"
+    if applied.is_without_friction:
+        yield WITHOUT_FRICTION
     yield from _friction(applied)
     if compiled.counterbalance is not None and figures.counterbalance:
         yield f"the counterbalance on {joints[compiled.counterbalance.joint]}: `balance` in torque.csv has its torque"

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
+import pytest
 
 from bench.cli import main
 from bench.effects.conditions import Conditions
@@ -15,6 +16,7 @@ from bench.report.handover.drag import drag_torque
 from bench.report.handover.urdf_gaps import gaps_of
 from bench.robot.compiled import read_spec
 from bench.robot.folder import load_robot
+from bench.robot.plugins import configure
 from bench.robot.write import write_robot
 
 SPEEDS = np.array([0.5, 1.5])  # [rad/s]
@@ -41,6 +43,27 @@ def test_damping_is_what_mujoco_makes_of_it_and_a_polynomial_is_said(small_robot
         mujoco.mj_forward(model, data)
         expected = -(data.qfrc_damper[at.q_dof] + data.qfrc_damper[at.theta_dof])
         np.testing.assert_allclose(drag_torque(learned, np.full((1, 2), speed))[0], expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("keeps", ["nothing", "coulomb", "viscous"])
+def test_a_robot_without_friction_in_any_drive_is_told(
+    small_robot: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], keeps: str
+) -> None:
+    """What was fitted to torques of sensors behind the gears was handed on as the torques of motors."""
+    robot = load_robot(small_robot)
+    spec = read_spec(robot)
+    for k, drive in enumerate(robot.figures.drives):
+        for name in (drive.motor_friction, drive.link_friction):
+            level = 3.0 if keeps == "coulomb" and k == 1 else 0.0
+            configure(spec, name, coulomb=level, rolling=0.0)
+        for name in (drive.rotor, drive.joint):
+            spec.joint(name).damping = [0.5 if keeps == "viscous" and k == 1 else 0.0, 0.0, 0.0]
+    spec.compile()
+    (tmp_path / "robot").mkdir()
+    write_robot(robot, spec, robot.figures, tmp_path / "robot", "")
+    assert main(["apply", str(tmp_path / "robot"), "-o", str(tmp_path / "applied")]) == 0
+    page, warned = (tmp_path / "applied/README.md").read_text(), capsys.readouterr().err
+    assert ("there is none in any drive" in page) == ("there is none in any drive" in warned) == (keeps == "nothing")
 
 
 def test_what_was_learned_over_speed_is_friction_and_is_said(small_robot: Path, tmp_path: Path) -> None:
