@@ -30,9 +30,9 @@ def title_of(effect_title: str, place: str) -> str:
     return effect_title.replace(place, channel_name(place).replace("_", " "))
 
 
-def together(names: Sequence[PossibleName]) -> list[str]:
+def together(names: Sequence[PossibleName | Change]) -> list[str]:
     """Return the names of causes that act together; the same one at several places is named once."""
-    places: dict[str, list[PossibleName]] = {}
+    places: dict[str, list[PossibleName | Change]] = {}
     for name in names:
         places.setdefault(name.title.removesuffix(f" ({name.place})"), []).append(name)
     return [

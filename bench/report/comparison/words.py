@@ -130,10 +130,11 @@ def words_of(comparison: Comparison) -> Iterator[str]:
     if comparison.left_before:
         yield left_before_sentence(comparison)
     yield basis_sentence(comparison)
-    yield from findings_sentences(comparison)
+    if len(comparison.explanations) > 1:  # else the only one has them all
+        yield from findings_sentences(comparison)
     yield from drift_sentences(comparison)
     for explanation in comparison.explanations[:MOST_TOLD]:
-        names = " with ".join(change_name(change) for change in explanation.changes)
+        names = " with ".join(together(explanation.changes))
         yield f"{capital(names)}: probability {percent(explanation.probability)}"
         several = len(explanation.changes) > 1
         for change in explanation.changes:

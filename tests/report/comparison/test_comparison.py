@@ -12,7 +12,20 @@ from bench.report.comparison.page import lines_of, page_of
 from bench.report.comparison.words import MOST_TOLD, headline, words_of
 from bench.report.comparison.write import COMPARISON, REPORT, write_comparison
 from bench.report.diagnosis.headline import MOST
-from tests.report.comparison.examples import COLD, FRICTION, GAS, MORE, NOTHING, ONE, OTHER, SET, THREE, TWO, UNLISTED
+from tests.report.comparison.examples import (
+    COLD,
+    FRICTION,
+    GAS,
+    MORE,
+    NOTHING,
+    ONE,
+    OTHER,
+    SET,
+    THREE,
+    TWO,
+    UNLISTED,
+    finding,
+)
 
 
 @pytest.mark.parametrize(
@@ -122,6 +135,16 @@ def test_several_changes_are_told_one_by_one() -> None:
     sizes = [i for i, line in enumerate(lines) if line.startswith("    ") and "90 % interval" in line]
     assert sizes, "of several changes each size stands under its own"
     assert all(lines[i - 1].startswith("  ") for i in sizes)
+
+
+def test_one_explanation_of_many_changes_is_told_once() -> None:
+    """Of friction that fell in seven joints each size stood there twice, and a title had seven times "with"."""
+    of_joints = tuple(replace(one, title=f"friction ({one.place})") for one in FRICTION[:3])
+    alone = replace(NOTHING, explanations=(Explanation(of_joints, 0.99, 40.0),), findings=(*map(finding, of_joints),))
+    lines = list(words_of(alone))
+    assert "Friction (joints 0, 1, 2): probability 99 %" in lines
+    assert not [line for line in lines if line.startswith("Change ")]
+    assert sum("+1.24 %" in line for line in lines) == len(of_joints)
 
 
 def test_a_page_begins_with_each_change_how_large_and_since_when() -> None:
