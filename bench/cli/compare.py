@@ -82,20 +82,29 @@ class Compare:
         try:
             with ending_on_interrupt(stop), out as folder, phases() as shown, TemporaryDirectory() as files:
                 executor = Watched(on_cores(self.cores), check=stop.check, shows=shown.share)
-                shown.phase("the robot as it was")
                 is_handed_over = robot is not None and known_of(robot.folder) is not None
-                begun = before, compiled, Path(files)
-                fitted = as_it_was(*begun, is_handed_over=is_handed_over, executor=executor, check=stop.check)
+                store = open_store() if self.store else None
+                begun = as_it_was(
+                    before,
+                    compiled,
+                    Path(files),
+                    effects,
+                    is_handed_over=is_handed_over,
+                    progress=shown.phase,
+                    executor=executor,
+                    store=store,
+                    check=stop.check,
+                )
                 found = compare(
                     recordings,
-                    fitted,
+                    begun.robot,
                     effects,
                     progress=shown.phase,
                     executor=executor,
-                    store=open_store() if self.store else None,
+                    store=store,
                     check=stop.check,
                 )
-                found = replace(found, is_diagnosed=is_handed_over)
+                found = replace(found, is_diagnosed=begun.is_diagnosed)
                 if folder:
                     write_comparison(found, folder, compiled.robot.figures.title, self.command)
         except Stopped as stopped:

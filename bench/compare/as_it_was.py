@@ -1,14 +1,15 @@
 """The robot as a campaign shows it, without any named cause: what a comparison is linear about."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bench.compare.free_torques import acting_in, beside, free_torques
-from bench.diagnose.diagnose import FALSE_ALARM_RATE
+from bench.diagnose.baseline.first_look import first_look
+from bench.diagnose.diagnose import FALSE_ALARM_RATE, diagnose
 from bench.diagnose.explain import measured_by, recorded_by
 from bench.diagnose.extend.fit import Fit, Key
 from bench.diagnose.extend.refit import refit
@@ -32,8 +33,8 @@ from bench.diagnose.replay.world import World, edits_in
 from bench.effects.catalogue import LEFT_OUT, catalogue
 from bench.effects.conditions import Conditions
 from bench.effects.division import divided, payload_as_body
+from bench.effects.effect import Effect
 from bench.effects.fitted import entry_of
-from bench.effects.gas import CounterbalanceGas
 from bench.errors import NOT_SIMULATED
 from bench.executor.contract import Executor, Progress, in_order
 from bench.executor.serial import SERIAL
@@ -44,29 +45,46 @@ from bench.robot.compiled import CompiledRobot, compile_robot, compile_spec, rea
 from bench.robot.fitted import Fitted
 from bench.robot.folder import load_robot
 from bench.robot.write import write_robot
+from bench.store.store import Store
 
 MOST_FITS = 4  # effort: each with the derivatives about the one before
 SETTLED = 0.5  # effort: log evidence; a fit that rises by less is settled, as in `settle.py`
 FITS = 2.0  # declared: times the noise, that stated figures leave of a robot whose drawing leaves nothing out
 
 
+@dataclass(frozen=True, eq=False)
+class AsItWas:
+    """The robot as it was.
+
+    Attributes:
+        robot: With all that was fitted.
+        is_diagnosed: Whether a diagnosis found that.
+    """
+
+    robot: CompiledRobot
+    is_diagnosed: bool = False
+
+
 def as_it_was(
     before: Campaign,
     compiled: CompiledRobot,
     folder: Path,
+    effects: Mapping[str, Effect] | None = None,
     *,
     is_handed_over: bool = False,
+    progress: Callable[[str], None] = lambda words: None,
     executor: Executor = SERIAL,
+    store: Store | None = None,
     check: Check = never,
-) -> CompiledRobot:
+) -> AsItWas:
     """Return the robot with its figures fitted to what was recorded before, as it was last seen there.
 
     What drifts from day to day multiplies what the nominal model gets wrong: a torque constant that is another one by
     2 % moves the part of the current that a wrong inertia left over by 2 %, too. Linear about the nominal robot that is
     left out, and was named as a change of inertia. Where figures alone do not fit, friction, a payload and a delay that
-    nobody stated are fitted with them, and the gas that a model leaves out, if that is likelier: else torque constants
-    would stand for all friction, and links for the gas. Where even so not all is explained, a torque over the angle of
-    every joint is fitted with it (`free_torques.py`).
+    nobody stated are fitted with them, if that is likelier: else torque constants would stand for all friction. Where
+    even so not all is explained, the recordings before are diagnosed, and the robot has all that is found: about a
+    robot that is far off, changes have wrong names.
 
     A robot that a diagnosis handed over has all that the machine has. What it leaves of the noise is what the diagnosis
     could not explain either, so only what may be another one in each recording is asked for, where signatures show it.
@@ -75,20 +93,24 @@ def as_it_was(
         before: Recordings of the machine as it was.
         compiled: The robot to begin with; it is returned where no model can be fitted to them.
         folder: For the files of the fitted robot, which have to stay for as long as it is used.
+        effects: What a diagnosis looks for; None: the catalogue.
         is_handed_over: Whether a finished diagnosis handed the robot over.
+        progress: Called with what is done next.
         executor: Where to simulate; the result does not depend on it.
+        store: Where signatures are kept between processes; None: nowhere.
         check: Called before every simulation of a fit; where it raises `Stopped`, there is no such robot.
 
     Raises:
         Stopped: Before all was fitted.
     """
+    progress("the robot as it was")
     campaign = with_payloads(before)
     quantities = quantities_of(campaign.runs, compiled)
     segments = segments_of(campaign, compiled, quantities)
     if not segments:
-        return compiled
+        return AsItWas(compiled, is_handed_over)
     nuisances = with_recordings(nuisances_of(compiled, quantities), compiled, campaign.recordings)
-    known = {name: effect for name, effect in catalogue().items() if name in (*LEFT_OUT, CounterbalanceGas.name)}
+    known = {name: effect for name, effect in catalogue().items() if name in LEFT_OUT}
     if is_handed_over:
         known = {name: effect for name, effect in known.items() if effect.between == "anew"}
     watched = Watched(executor, check)
@@ -99,16 +121,33 @@ def as_it_was(
             changes = Signatures(compiled, quantities, nuisances, causes).sensitivities(segments, watched)
             linear = linearised_model_of(Replay(compiled, segments, quantities), nuisances, changes.nuisances)
             fit = refit(linear, (), {}, progress=lambda share: check())
-            world = fit.world(linear)
             if causes and _left(linear, fit) > FITS:
                 around = Neighbourhood(compiled, known, measured, FALSE_ALARM_RATE, watched, recorded)
                 weighed, screening = around.weighed(linear, causes, changes)
                 if not is_handed_over or _shows(screening):
-                    candidate = what_is_left_out(weighed, screening, Model(fit), known)
-                    world = _with_what_is_left_out(linear, fit, candidate, watched, may_be_held=not is_handed_over)
-            return _written(compiled, as_of(world, recordings_of(segments)[-1]), folder / "robot")
+                    candidate = what_is_left_out(weighed, screening, Model(fit))
+                    fit = max(fit, _fitted(linear, candidate, watched), key=lambda one: one.log_evidence)
+            is_far = not is_handed_over and _left(linear, fit) > FITS
+            if is_far:
+                progress("a diagnosis of the robot as it was")
+                every = catalogue() if effects is None else effects
+                found = diagnose(
+                    before,
+                    compiled,
+                    every,
+                    progress=progress,
+                    proposes=False,
+                    executor=executor,
+                    check=check,
+                    store=store,
+                    first=first_look(campaign, compiled).found,
+                )
+                linear, fit = found.linear, found.extension or found.naming.null
+            world = as_of(fit.world(linear), recordings_of(segments)[-1])
+            robot = _written(linear.replay.compiled, world, folder / "robot")
+            return AsItWas(robot, is_handed_over or is_far)
         except NOT_SIMULATED:
-            return compiled
+            return AsItWas(compiled, is_handed_over)
 
 
 def _shows(screening: Screening) -> bool:
@@ -121,43 +160,16 @@ def _left(linear: LinearisedModel, fit: Fit) -> float:
     return float(np.sqrt(np.mean(linear.whiten(fit.residual) ** 2)))
 
 
-def _with_what_is_left_out(
-    linear: LinearisedModel, nominal: Fit, candidate: CandidateModel, executor: Executor, *, may_be_held: bool
-) -> World:
-    """Return the likeliest world: with figures alone, with what nobody stated, or with torques over angles beside it.
+def _fitted(linear: LinearisedModel, candidate: CandidateModel, executor: Executor) -> Fit:
+    """Return the likeliest fit of figures and causes together, settled.
 
-    Args:
-        linear: The campaign.
-        nominal: Fit of the figures alone.
-        candidate: What nobody stated.
-        executor: Where to fit.
-        may_be_held: Whether something else may hold the joints, which is asked where even so not all is explained.
+    Where it begins decides which optimum it ends in, for a first moment without a mass shows nothing: from causes of no
+    size, 5 kg half a metre beside a payload of 9 kg, at 76 times the noise; from what signatures say, 0.05 kg in place
+    of 3 kg.
     """
     starts: tuple[Mapping[Key, float], ...] = ({}, candidate.start)
-    found = _likeliest(linear, candidate.causes, starts, executor)
-    best = max(nominal, found, key=lambda one: one.log_evidence)
-    if not may_be_held or _left(linear, best) <= FITS:
-        return best.world(linear)
-    torques = free_torques(linear)
-    design = beside(linear, torques)
-    other = _likeliest(design, candidate.causes, starts, executor)
-    if other.log_evidence < best.log_evidence:
-        return best.world(linear)
-    world = other.world(design)
-    return World(world.deviations, (*world.acting, *acting_in(linear, torques, other)))
-
-
-def _likeliest(
-    linear: LinearisedModel, causes: tuple[Cause, ...], starts: Sequence[Mapping[Key, float]], executor: Executor
-) -> Fit:
-    """Return the most probable of fits of figures and causes together, settled, one from each start.
-
-    Where it begins decides which optimum a fit ends in, for a first moment without a mass shows nothing: from causes of
-    no size, 5 kg half a metre beside a payload of 9 kg, at 76 times the noise; from what signatures say, 0.05 kg in
-    place of 3 kg.
-    """
-    fits = in_order(executor, partial(_settled, linear, causes), starts)
-    return max(fits, key=lambda one: one.log_evidence).with_causes(causes)
+    fits = in_order(executor, partial(_settled, linear, candidate.causes), starts)
+    return max(fits, key=lambda one: one.log_evidence).with_causes(candidate.causes)
 
 
 def _settled(linear: LinearisedModel, causes: tuple[Cause, ...], start: Mapping[Key, float], progress: Progress) -> Fit:

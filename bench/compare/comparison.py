@@ -247,7 +247,7 @@ class Comparison:
         left_before: Channels that the robot as it was misses before, the worst first: the names of what changed are no
             better than that robot.
         unfinished: Why it ended before it was done; None: it was.
-        is_diagnosed: Whether a finished diagnosis handed the robot as it was over.
+        is_diagnosed: Whether the robot as it was is that of a diagnosis, earlier or of this comparison.
     """
 
     recordings: tuple[Compared, ...]

@@ -124,7 +124,7 @@ def outcome_of(pair: Pair, setup: Setup, rate: float = FALSE_ALARM_RATE) -> Outc
     """Return what a comparison says of a pair."""
     recordings = recordings_of({"before": pair.before}, {"after": pair.after})
     with threadpool_limits(1, "blas"), TemporaryDirectory() as files:
-        fitted = as_it_was(pair.before, setup.compiled, Path(files))
+        fitted = as_it_was(pair.before, setup.compiled, Path(files)).robot
         joined = partial(joint_of, recordings, fitted, setup.catalogue)
         background, what = weighed(lambda large, before: joined(large=large, before=before), rate)
         found = comparison_of(background, what, rate)

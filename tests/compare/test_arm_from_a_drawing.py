@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,12 +16,14 @@ from bench.compare.comparison import Comparison, LeftBefore
 from bench.compare.joint import joint_of
 from bench.compare.left_before import left_before
 from bench.compare.recordings import recordings_of
+from bench.diagnose.diagnose import Diagnosis
 from bench.diagnose.extend.fit import Fit, Key, unknowns_of
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE
+from bench.errors import ConvergenceError
 from bench.executor.watched import Stop, Stopped
 from bench.record.campaign import Array, Campaign, Run
 from bench.robot.compiled import CompiledRobot, compile_robot
@@ -50,7 +53,7 @@ def arm(tmp_path_factory: pytest.TempPathFactory) -> CompiledRobot:
 @pytest.fixture(scope="module")
 def fitted(arm: CompiledRobot, tmp_path_factory: pytest.TempPathFactory) -> CompiledRobot:
     """Return the arm as it was in the first recording, with a payload of which nothing is stated."""
-    return as_it_was(recorded(arm, 1), arm, tmp_path_factory.mktemp("fitted"))
+    return as_it_was(recorded(arm, 1), arm, tmp_path_factory.mktemp("fitted")).robot
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +63,7 @@ def heavy(arm: CompiledRobot) -> Campaign:
 
 @pytest.fixture(scope="module")
 def fitted_to_heavy(arm: CompiledRobot, heavy: Campaign, tmp_path_factory: pytest.TempPathFactory) -> CompiledRobot:
-    return as_it_was(heavy, arm, tmp_path_factory.mktemp("heavy"))
+    return as_it_was(heavy, arm, tmp_path_factory.mktemp("heavy")).robot
 
 
 def recorded(
@@ -151,7 +154,11 @@ def test_no_fit_begins_where_no_machine_can_be(
             fit, causes=tuple(causes), unknowns=unknowns, values=null, covariance=np.eye(k), jacobian=jacobian
         )
 
+    def diagnosed(*given: object, **how: object) -> Diagnosis:
+        raise ConvergenceError("that is not asked here")
+
     monkeypatch.setattr(as_it_was_module, "refit", noted)
+    monkeypatch.setattr(as_it_was_module, "diagnose", diagnosed)
     as_it_was(with_balancer(recorded(arm, 1)), arm, tmp_path)
     told = [(causes, start) for causes, start in begun if start]
     assert told
@@ -196,10 +203,34 @@ def test_how_far_a_robot_is_from_before_has_no_part_of_what_changed(arm: Compile
     assert far_from_before(fitted, before, other) == ()
 
 
+def test_where_what_drawings_leave_out_does_not_do_the_robot_is_what_a_diagnosis_finds(
+    arm: CompiledRobot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """About a robot at ten times the noise, "friction over the angle" had changed between two recordings, at 99 %."""
+    before, effects = with_balancer(recorded(arm, 1)), {}
+    asked: list[object] = []
+
+    def diagnosed(campaign: Campaign, *given: object, **how: object) -> SimpleNamespace:
+        asked.append((campaign, *given))
+        linear = linearised(campaign, arm)
+        moved = replace(refit(linear, (), {}), nuisances=np.full(len(linear.nuisances), 0.1))
+        return SimpleNamespace(linear=linear, extension=moved, naming=None)
+
+    monkeypatch.setattr(as_it_was_module, "diagnose", diagnosed)
+    held = as_it_was(before, arm, tmp_path, effects)
+    assert held.is_diagnosed
+    assert asked == [(before, arm, effects)]
+    sigma = {one.name: one.sigma for one in linearised(before, arm).nuisances}
+    for name in ("l1", "l2"):
+        heavier = held.robot.model.body(name).mass[0] / arm.model.body(name).mass[0] - 1
+        assert heavier == pytest.approx(0.1 * sigma[f"mass of {name}"], rel=1e-6)
+
+
+@pytest.mark.study
 def test_a_spring_that_nobody_stated_is_not_taken_for_links_and_payload(arm: CompiledRobot, tmp_path: Path) -> None:
     """The second link came out as 8 g in place of 8 kg, at ten times the noise."""
     before, after = (with_balancer(recorded(arm, seed, seconds=TOLD_APART)) for seed in (1, 2))
-    held = as_it_was(before, arm, tmp_path)
+    held = as_it_was(before, arm, tmp_path).robot
     assert far_from_before(held, before, after) == ()
     np.testing.assert_allclose(held.motor_coulomb, stranger.COULOMB, rtol=0.1)
     assert held.model.body("l2").mass[0] > stranger.MASS[1] / 2
@@ -220,7 +251,7 @@ def test_what_a_diagnosis_handed_over_is_not_looked_for_again(
         return refit(linear, tuple(causes), *more, **how)
 
     monkeypatch.setattr(as_it_was_module, "refit", counted)
-    handed = as_it_was(before, fitted, tmp_path / "handed", is_handed_over=True)
+    handed = as_it_was(before, fitted, tmp_path / "handed", is_handed_over=True).robot
     assert fits == [0]
     left = linearised(before, handed).white
     assert np.sqrt(np.mean(left**2)) > FITS
@@ -230,7 +261,7 @@ def test_another_payload_than_that_of_the_diagnosis_is_looked_for(
     arm: CompiledRobot, fitted: CompiledRobot, heavy: Campaign, tmp_path: Path
 ) -> None:
     """A robot that was found with 3 kg, and carries 9 kg; the last link, of which little is known, takes the rest."""
-    handed = as_it_was(heavy, fitted, tmp_path, is_handed_over=True)
+    handed = as_it_was(heavy, fitted, tmp_path, is_handed_over=True).robot
     assert np.sqrt(np.mean(linearised(heavy, handed).white ** 2)) < 2
     assert catalogue()["unstated_payload"].there_already(handed, WHOLE)["mass"] > PAYLOAD + 2
 
@@ -239,7 +270,7 @@ def test_another_payload_than_that_of_the_diagnosis_is_looked_for(
 def test_it_has_a_light_payload(arm: CompiledRobot, tmp_path: Path) -> None:
     """The fit ended with 0.05 kg for 3 kg."""
     before = recorded(arm, 1, payload=LIGHT)
-    assert_carried(as_it_was(before, arm, tmp_path), before, LIGHT)
+    assert_carried(as_it_was(before, arm, tmp_path).robot, before, LIGHT)
 
 
 def test_an_unchanged_arm_has_not_changed_and_a_change_is_named(arm: CompiledRobot, fitted: CompiledRobot) -> None:
@@ -261,7 +292,7 @@ def test_a_payload_that_was_swapped_is_all_that_changed(
 @pytest.mark.study
 def test_a_payload_that_was_swapped_for_a_heavier_one(arm: CompiledRobot, heavy: Campaign, tmp_path: Path) -> None:
     light = recorded(arm, 1, payload=LIGHT)
-    assert_changed(compared(as_it_was(light, arm, tmp_path), light, heavy), HEAVY[0] - LIGHT[0])
+    assert_changed(compared(as_it_was(light, arm, tmp_path).robot, light, heavy), HEAVY[0] - LIGHT[0])
 
 
 def assert_changed(found: Comparison, more: float) -> None:

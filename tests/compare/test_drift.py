@@ -29,7 +29,10 @@ def on_a_warm_day(lost: float, folder: Path) -> tuple[Background, Found]:
     """Return one machine twice; its figures and its noise are the same, for all of it comes from one seed."""
     gas = {"gas_loss": lost} if lost else {}
     cold, warm = (made(SWEEP, 7, hidden) for hidden in ({}, {"viscous_level": -LESS, **gas}))
-    recordings, robot = recordings_of({"cold": cold}, {"warm": warm}), as_it_was(cold, nominal(), folder / str(lost))
+    recordings, robot = (
+        recordings_of({"cold": cold}, {"warm": warm}),
+        as_it_was(cold, nominal(), folder / str(lost)).robot,
+    )
     joined = partial(joint_of, recordings, robot, FEW, 60)
     return weighed(lambda large, before: joined(large=large, before=before))
 

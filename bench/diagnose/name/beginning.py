@@ -85,7 +85,6 @@ def what_is_left_out(
     linear: LinearisedModel,
     screening: Screening,
     nominal: Model,
-    among: Collection[str] = LEFT_OUT,
     told: Collection[tuple[str, int]] = (),
 ) -> CandidateModel:
     """Return all of it, to be fitted from what signatures say; of a cause with shapes, in the one that explains most.
@@ -94,8 +93,6 @@ def what_is_left_out(
         linear: The campaign.
         screening: Everything that was tried.
         nominal: The nominal model.
-        among: Names of the effects. A diagnosis does not begin with the gas of a counterbalance, which it finds by
-            itself: on the KR300 its friction then ended as another law, which predicts axis 1 twice as badly.
         told: Names of further effects, each with the index of a drive.
     """
     about = search_space(linear, screening.tried, screening.threshold, nominal)
@@ -103,7 +100,7 @@ def what_is_left_out(
     best: dict[Hashable, int] = {}
     for i in range(len(about.what)):
         cause = about.cause(i)
-        if cause is None or not (cause.effect.name in among or (cause.effect.name, cause.drive) in told):
+        if cause is None or not (cause.effect.name in LEFT_OUT or (cause.effect.name, cause.drive) in told):
             continue
         if rise[i] >= rise[best.get(cause.key, i)]:
             best[cause.key] = i

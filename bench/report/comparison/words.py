@@ -59,7 +59,7 @@ def left_before_sentence(comparison: Comparison) -> str:
     before = listed([one.name for one in comparison.recordings if not one.is_after], "and")
     more = f", and other channels of it too ({len(comparison.left_before)} in all)" if others else ""
     remedy = (
-        "that robot is of a diagnosis, so see on its page what it leaves of that channel, and state more noise for it "
+        "that robot is of a diagnosis, so see what bench diagnose leaves of that channel, and state more noise for it "
         "(instruments in figures.yaml) if it scatters more than is stated"
         if comparison.is_diagnosed
         else f"diagnose {before} first (bench diagnose) and compare with --robot and the folder of that diagnosis, or "
