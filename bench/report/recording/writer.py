@@ -87,7 +87,7 @@ def recording_to(
         # Rerun's own writer waits for ever, or says nothing, where a disk is full
         memory = stream.memory_recording()
         try:
-            stream.send_blueprint(blueprint, make_active=False, make_default=True)
+            stream.send_blueprint(blueprint, make_active=True, make_default=True)
             stream.send_recording_name(name)
             yield RecordingWriter(stream, rr.TimeColumn(TIMELINE, duration=time))
             partial.write_bytes(memory.drain_as_bytes())

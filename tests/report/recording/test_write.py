@@ -56,6 +56,15 @@ def test_rerun_verifies_it(recording: Path) -> None:
     verify(recording)
 
 
+def test_it_opens_in_its_own_layout(recording: Path) -> None:
+    """The viewer in a browser opened it in a layout of its own guessing, for the file's was its default alone."""
+    printed = subprocess.run(
+        [sys.executable, "-m", "rerun", "rrd", "print", str(recording)], check=True, capture_output=True, text=True
+    )
+    (line,) = (line for line in printed.stdout.splitlines() if line.startswith("BlueprintActivationCommand"))
+    assert "make_active: true, make_default: true" in line
+
+
 def test_says_what_it_is(recording: Path, compiled: CompiledRobot, columns: Columns) -> None:
     (entry,) = RrdReader(recording).recordings()
     assert entry.application_id == "bench"
