@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bench.report.recording.curves import Plot
+from bench.report.recording.curves import Colour, Plot
 from bench.report.recording.writer import TIMELINE
 from bench.robot.bodies import Array
 
@@ -60,7 +60,7 @@ def with_plots(left: "Container", plots: Sequence[Plot]) -> "Blueprint":
     import rerun.blueprint as rrb
 
     tabs = [
-        rrb.Vertical(*(_plot_view(plot) for plot in plots if plot.tab == tab), name=tab)
+        rrb.Vertical(*_plot_views([plot for plot in plots if plot.tab == tab]), name=tab)
         for tab in dict.fromkeys(plot.tab for plot in plots)
     ]
     return rrb.Blueprint(
@@ -107,13 +107,21 @@ def robot_view(title: str, floor: float, extent: Array, trails: Sequence[str] = 
     )
 
 
-def _plot_view(plot: Plot) -> "View":
+def _plot_views(plots: Sequence[Plot]) -> list["View"]:
+    """Return the plots of a tab; a legend covers a part of a plot, so each that says the same again is left out."""
     import rerun.blueprint as rrb
 
-    return rrb.TimeSeriesView(
-        origin=plot.path,
-        name=plot.title,
-        axis_x=rrb.TimeAxis(link="LinkToGlobal"),  # all plots show the same time
-        axis_y=None if plot.span is None else rrb.ScalarAxis(range=plot.span),
-        plot_legend=rrb.Corner2D.LeftTop,
-    )
+    views: list[View] = []
+    told: list[tuple[str, Colour]] = []
+    for plot in plots:
+        before, told = told, [(curve.name, curve.colour) for curve in plot.curves]
+        views.append(
+            rrb.TimeSeriesView(
+                origin=plot.path,
+                name=plot.title,
+                axis_x=rrb.TimeAxis(link="LinkToGlobal"),  # all plots show the same time
+                axis_y=None if plot.span is None else rrb.ScalarAxis(range=plot.span),
+                plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop, visible=told != before),
+            )
+        )
+    return views

@@ -36,6 +36,18 @@ def test_one_view_per_plot_and_the_magnification_in_the_title(film: Film, compil
     assert len({plot.path for plot in plots}) == len(plots)
 
 
+def test_a_legend_that_says_the_same_again_is_left_out() -> None:
+    """It covered the first second of every plot, six times over."""
+    names = ("measured", "predicted"), ("measured", "predicted"), ("left",), ("left",)
+    plots = [
+        Plot("tab", f"plot {k}", f"plot{k}", tuple(Curve(name, np.ones(9), SINGLE) for name in some))
+        for k, some in enumerate(names)
+    ]
+    _, *series = laid_out(tuple(plots), with_events=False)
+    shown = [view.properties["PlotLegend"].visible.as_arrow_array().to_pylist() for view in series]  # type: ignore[attr-defined]
+    assert shown == [[True], [False], [True], [False]]
+
+
 def test_no_view_for_what_there_is_not(film: Film, compiled: CompiledRobot) -> None:
     plots = plots_of(without(film, "current", "gas_pressure"), compiled)
     views = laid_out(plots, with_events=False)
