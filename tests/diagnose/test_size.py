@@ -5,9 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.stats import multivariate_normal
 
 from bench.diagnose.extend.fit import Fit
-from bench.diagnose.extend.size import NORMAL_95, Size, is_clear_of_none, size_of
+from bench.diagnose.extend.size import NORMAL_95, Size, evidence_of, is_clear_of_none, size_of
 from bench.diagnose.linearise.candidates import Candidate, Cause, shape_grid
 from bench.diagnose.linearise.limits import DetectionLimit, detection_limits, smallest_found
 from bench.diagnose.linearise.screening import Entry, Screening
@@ -132,3 +133,15 @@ def test_a_limit_beyond_what_is_plausible_is_none(information: float, is_plausib
     assert found.limit == found.worst
     assert found.is_plausible is is_plausible
     assert isinstance(found, DetectionLimit)
+
+
+def test_the_evidence_for_sizes_is_the_ratio_of_normal_densities(rng: np.random.Generator) -> None:
+    cause = Cause(Shift(), WHOLE, (X, Z), ())
+    slopes, deviations = 1e3 * rng.standard_normal((5, 2)), fit_alone(cause, (0.0, 0.0), np.eye(2)).unknowns
+    prior = np.diag([unknown.sigma**2 for unknown in deviations])
+    white = slopes @ [2e-3, -1e-3] + rng.standard_normal(5)
+    covariance = np.linalg.inv(np.linalg.inv(prior) + slopes.T @ slopes)
+    fit = fit_alone(cause, covariance @ slopes.T @ white, covariance)
+    with_sizes, without = np.eye(5) + slopes @ prior @ slopes.T, np.eye(5)
+    expected = multivariate_normal(cov=with_sizes).logpdf(white) - multivariate_normal(cov=without).logpdf(white)
+    assert evidence_of(cause, fit) == pytest.approx(expected)

@@ -6,9 +6,9 @@ from functools import partial
 
 from bench.diagnose.cross_validation.held_out import held_out
 from bench.diagnose.cross_validation.jackknife import with_jackknife
-from bench.diagnose.extend.fit import Fit
+from bench.diagnose.extend.fit import Fit, fit_without
 from bench.diagnose.extend.refit import refit, refitted
-from bench.diagnose.extend.size import is_clear_of_none, wald
+from bench.diagnose.extend.size import evidence_of, is_clear_of_none, wald
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.threshold import LEAST
@@ -76,7 +76,13 @@ def shape_pays(linear: LinearisedModel, null: Fit, model: Model, threshold: floa
 
 
 def _fit_without(linear: LinearisedModel, model: Model, cause: Cause, progress: Progress) -> Fit | None:
-    """Return a model fitted without one of its causes, to its end where that may matter; None: nothing balances."""
+    """Return a model fitted without one of its causes, to its end where that may matter; None: nothing balances.
+
+    Where far more is missing than anything can make up for, a fit bends all else by hundreds of standard deviations,
+    and ends anywhere: without the friction of one joint, the other two of an arm erred by fifty times as much. Then the
+    fit is that of derivatives about the whole model: they tell what it comes to, and what all else can do within reach
+    of what is stated.
+    """
     fit = model.fit
     start = {key: value for key, value in fit.start.items() if key[:2] != cause.key}
     design = model.linear(linear)
@@ -88,7 +94,10 @@ def _fit_without(linear: LinearisedModel, model: Model, cause: Cause, progress: 
     try:
         is_plain = wald(cause, fit)[0] / 2 > PLAIN
         without = refit_without(renews=not is_plain)
-        if is_plain and fit.log_evidence - without.log_evidence <= DECIDED:
+        if is_plain and fit.log_evidence - without.log_evidence > DECIDED:
+            evidence = fit.log_evidence - evidence_of(cause, fit)
+            return replace(fit_without(design, fit, cause), log_evidence=evidence, is_settled=False).with_causes(())
+        if is_plain:
             without = refit_without(renews=True)
         if not without.is_settled and fit.log_evidence - without.log_evidence <= DECIDED:
             without = refitted(design, without, progress)
