@@ -161,6 +161,5 @@ def test_one_reading_at_rest_turns_no_sign(off: int, is_told: bool, another: flo
         missing=np.zeros((*model.shape, 0)),
         names=("current_1_a",),
     )
-    names = [f"run{k}" for k in range(runs)]
-    found = _mistaken(picture, np.repeat(names, rows), names[0], names[1:])
+    found = _mistaken(picture, np.repeat(np.arange(runs), rows), 0, range(1, runs))
     assert bool(found) == is_told

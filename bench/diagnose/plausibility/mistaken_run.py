@@ -36,10 +36,11 @@ def mistaken_in_one_run(picture: DrivePicture, segments: Sequence[Segment]) -> I
     # the model has friction at rest at one of its two levels, that of the approach; a servo that settles takes a motor
     # back as far as the other one. Over all runs that evens out, in one it does not.
     picture = replace(picture, slack=np.maximum(picture.slack, HOLDS * picture.level))
-    run_of = run_of_each(segments)
+    names, run_of = np.unique(run_of_each(segments), return_inverse=True)
     runs = list(dict.fromkeys(run_of.tolist()))
     for finding, alike in _in_several_runs(picture, run_of, runs):
-        yield replace(finding, message=f"{finding.message} in runs {_listed(alike)}, and not in all others")
+        words = _listed([str(names[run]) for run in alike])
+        yield replace(finding, message=f"{finding.message} in runs {words}, and not in all others")
         runs = [run for run in runs if run not in alike]
     while len(runs) > OTHERS:  # the worst first, which then tells nothing of the others
         others = {run: [other for other in runs if other != run] for run in runs}
@@ -48,20 +49,20 @@ def mistaken_in_one_run(picture: DrivePicture, segments: Sequence[Segment]) -> I
         if far[worst] <= FAR:
             return
         for finding in _sure(picture, run_of, worst, others[worst]):
-            yield replace(finding, message=f"{finding.message} in run {worst!r}, and not in all others")
+            yield replace(finding, message=f"{finding.message} in run {str(names[worst])!r}, and not in all others")
         runs.remove(worst)
 
 
 def _in_several_runs(
-    picture: DrivePicture, run_of: NDArray[np.str_], runs: Sequence[str]
-) -> Iterator[tuple[Finding, tuple[str, ...]]]:
+    picture: DrivePicture, run_of: NDArray[np.intp], runs: Sequence[int]
+) -> Iterator[tuple[Finding, tuple[int, ...]]]:
     """Yield what channels are taken for in several runs alike, and these runs.
 
     Held against all others one by one, each of them stands among the others that are mistaken, and none is unlike
     them. So runs that say one mistake of themselves are left out together, with those that say the same beside what is
     left, where they are fewer than the rest; and each is then held against that rest as a single run is.
     """
-    suspected: dict[tuple[str, str], list[str]] = defaultdict(list)
+    suspected: dict[tuple[str, str], list[int]] = defaultdict(list)
     for run in runs:
         for finding in mistakes_in(picture.of(run_of == run), of_units=False):
             suspected[finding.column, finding.message].append(run)
@@ -83,7 +84,7 @@ def _in_several_runs(
             yield next(iter(held.values())), tuple(held)
 
 
-def _alike_among_themselves(picture: DrivePicture, run_of: NDArray[np.str_], runs: Sequence[str]) -> list[str]:
+def _alike_among_themselves(picture: DrivePicture, run_of: NDArray[np.intp], runs: Sequence[int]) -> list[int]:
     """Return runs without those that are far from what the others make of them, the worst left out first."""
     left = list(runs)
     while len(left) > OTHERS:
@@ -96,7 +97,7 @@ def _alike_among_themselves(picture: DrivePicture, run_of: NDArray[np.str_], run
     return left
 
 
-def _said(picture: DrivePicture, run_of: NDArray[np.str_], run: str, others: Sequence[str]) -> set[tuple[str, str]]:
+def _said(picture: DrivePicture, run_of: NDArray[np.intp], run: int, others: Sequence[int]) -> set[tuple[str, str]]:
     """Return columns and messages of what channels are taken for in a run, by all others."""
     there, _ = _beside(picture, run_of, run, [other for other in others if other != run])
     return {(finding.column, finding.message) for finding in mistakes_in(there, of_units=False)}
@@ -107,7 +108,7 @@ def _listed(runs: Sequence[str]) -> str:
     return f"{shown} and {len(runs) - NAMED} more" if len(runs) > NAMED else shown
 
 
-def _sure(picture: DrivePicture, run_of: NDArray[np.str_], run: str, others: Sequence[str]) -> list[Finding]:
+def _sure(picture: DrivePicture, run_of: NDArray[np.intp], run: int, others: Sequence[int]) -> list[Finding]:
     """Return what channels are taken for in a run, without what one other run alone contradicts."""
     mistakes = _mistaken(picture, run_of, run, others)
     for left_out in others if mistakes else ():
@@ -116,7 +117,7 @@ def _sure(picture: DrivePicture, run_of: NDArray[np.str_], run: str, others: Seq
     return mistakes
 
 
-def _mistaken(picture: DrivePicture, run_of: NDArray[np.str_], run: str, others: Sequence[str]) -> list[Finding]:
+def _mistaken(picture: DrivePicture, run_of: NDArray[np.intp], run: int, others: Sequence[int]) -> list[Finding]:
     """Return what channels are taken for in a run, of those that are far from what the others make of them.
 
     Nothing is told that one reading alone shows: at rest friction may hold more than it did in motion.
@@ -133,12 +134,13 @@ def _mistaken(picture: DrivePicture, run_of: NDArray[np.str_], run: str, others:
 
 
 def _beside(
-    picture: DrivePicture, run_of: NDArray[np.str_], run: str, others: Sequence[str]
+    picture: DrivePicture, run_of: NDArray[np.intp], run: int, others: Sequence[int]
 ) -> tuple[DrivePicture, Array]:
     """Return a run beside what others make of it, and how many times as far it is as any of those, shape (n,)."""
     whole = completed(picture, by=np.isin(run_of, others), zeros=True)
     left = np.nan_to_num(beyond(whole))
-    here, *there = (np.sqrt(np.mean(left[run_of == one] ** 2, axis=0)) for one in (run, *others))
-    most = np.max(there, axis=0)
+    squares = np.stack([np.bincount(run_of, square) for square in (left**2).T], axis=1)
+    far = np.sqrt(squares / np.maximum(np.bincount(run_of), 1)[:, None])
+    here, most = far[run], np.max(far[list(others)], axis=0)
     past = np.where(here > 0, np.inf, 0.0)  # of others that friction at rest explains altogether
     return whole.of(run_of == run), np.divide(here, most, out=past, where=most > 0)
