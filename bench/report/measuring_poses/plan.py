@@ -143,7 +143,9 @@ def setup_of(compiled: CompiledRobot, method: str) -> Setup:
     tracker, current, force = figures.instruments.tracker, figures.instruments.current, figures.instruments.force
     if tracker is None or (current is None and method == "current"):
         needed = "a tracker and a current sensor" if method == "current" else "a tracker"
-        raise InputError(f"{compiled.robot.name}: method {method!r} needs {needed}, of which figures.yaml says nothing (instruments).")
+        raise InputError(
+            f"{compiled.robot.name}: method {method!r} needs {needed}: figures.yaml has none among its instruments."
+        )
     arm = Arm(rigid_bodies(compiled))
     home = np.clip(np.zeros(arm.n_joints), *compiled.limits.T)
     distance = np.linalg.norm(arm.pose(home, figures.reflectors[0])[0] - np.array(tracker.position_m))
