@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.diagnose.cross_validation.held_out import HeldOut
-from bench.diagnose.extend.fit import BEYOND, Fit
+from bench.diagnose.extend.fit import BEYOND, Fit, Unknown
 from bench.diagnose.extend.size import size_of
 from bench.diagnose.extend.told import told_sizes
 from bench.diagnose.linearise.candidates import Cause
@@ -203,15 +203,7 @@ def in_order(causes: Iterable[NamedCause], findings: Sequence[AmbiguityGroup]) -
 def _named(cause: Cause, fit: Fit) -> NamedCause:
     told = told_sizes(cause, fit)
     parameters = tuple(
-        ParameterValue(
-            u.parameter.name,
-            float(value),
-            float(value - NORMAL_95 * sigma),
-            float(value + NORMAL_95 * sigma),
-            u.parameter.unit,
-            u.parameter.words,
-            told.get(u.parameter.name, True),
-        )
+        _parameter(u, float(value), float(sigma), is_told=told.get(u.parameter.name, True))
         for u, value, sigma in zip(fit.unknowns, fit.values, fit.sigma, strict=True)
         if u.cause is cause
     )
@@ -221,6 +213,12 @@ def _named(cause: Cause, fit: Fit) -> NamedCause:
         return named
     doubt = f"{size.share:.2g} times the largest plausible size: is it this, or is a figure or a channel wrong?"
     return replace(named, advice=f"{doubt} {named.advice}".strip())
+
+
+def _parameter(unknown: Unknown, value: float, sigma: float, *, is_told: bool) -> ParameterValue:
+    p, (least, most) = unknown.parameter, unknown.possible
+    low, high = (min(max(end, least), most) for end in (value - NORMAL_95 * sigma, value + NORMAL_95 * sigma))
+    return ParameterValue(p.name, value, low, high, p.unit, p.words, is_told)
 
 
 def quotients_of(cause: Cause, fit: Fit) -> Iterator[ParameterValue]:

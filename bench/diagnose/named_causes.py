@@ -17,7 +17,7 @@ class ParameterValue:
 
     Attributes:
         name: Of the catalogue.
-        value, low, high: As fitted, and the ends of its interval.
+        value, low, high: As fitted, and the ends of its interval, as far as it can have such values.
         unit: SI.
         words: What it is.
         is_told: Whether the data say more of it than was assumed; if not, value and interval are what was assumed, for

@@ -8,6 +8,7 @@ from bench.diagnose.cross_validation.figures import fitted_figures
 from bench.diagnose.extend.told import told_sizes
 from bench.diagnose.linearise.candidates import Cause
 from bench.effects.effect import WHOLE
+from bench.effects.parameter import Parameter
 from bench.identify.dynamics.quantities import Quantity
 from bench.report.diagnosis.names import parameter_text
 from tests.diagnose.made_runs import LENGTH, SIGMA, design_with, fit_of
@@ -77,3 +78,13 @@ def test_only_what_is_told_is_printed() -> None:
     x, z, _ = _named(CAUSE, fit_alone(CAUSE, (1e-3, 1e-3, 1.9), covariance(np.diag([1e6, 1e6, 0.0])))).parameters
     assert (x.is_told, z.is_told) == (True, True)
     assert parameter_text(x).startswith("x 1.000 mm (")
+
+
+def test_an_interval_ends_where_a_size_cannot_be() -> None:
+    """A payload's second moment, "never below zero", was 0.0 kg m^2 (-4.2 to 4.2), and a period 49 deg (-44 to 141)."""
+    grows = Parameter("y", "m", 0.0, 1e-3, 1e-2, "of one sign only")
+    cause = Cause(Shift(), WHOLE, (X, grows), (WAVE,))
+    x, y, period = _named(cause, fit_alone(cause, (1e-3, 1e-3, 0.9), np.diag([1e-6, 1e-6, 1.0]))).parameters
+    assert (x.low, x.high) == pytest.approx((1e-3 - 1.959964e-3, 1e-3 + 1.959964e-3))
+    assert (y.low, y.high) == pytest.approx((0.0, 1e-3 + 1.959964e-3))
+    assert (period.low, period.high) == pytest.approx((WAVE.low / 2, 0.9 + 1.959964))

@@ -64,6 +64,14 @@ class Unknown:
             low, high = p.null - BEYOND * p.high if p.signed else p.null, p.null + BEYOND * p.high
         return max(low, p.least), min(high, p.most)
 
+    @property
+    def possible(self) -> tuple[float, float]:
+        """Values that it can have at all, plausible or not; of a shape, those that make sense."""
+        p = self.parameter
+        if p.is_shape:
+            return self.bounds
+        return p.least if p.signed else max(p.null, p.least), p.most
+
     def step_from(self, value: float, error: float = np.inf) -> float:
         """Return a step within bounds, for its derivative; a shape may lie anywhere over decades, as a period does.
 
