@@ -21,7 +21,9 @@ class Anchor(Effect):
         "- alpha), "
         "Eqs. (9), (10), with rho^2 = a^2 + h^2; an error in one of them changes length, lever arm and dead centre."
     )
-    source = "Eqs. (9) and (10) of the paper; range: DESIGN 6, 1 to 5 mm (casting and pin tolerances, assumed)"
+    source = (
+        "Eqs. (9) and (10) of the paper; range: design of this project, 1 to 5 mm (casting and pin tolerances, assumed)"
+    )
     parameters = (
         Parameter("a", "m", 0.0, 1e-3, 5e-3, "horizontal distance of the fixed anchor from the joint", signed=True),
         Parameter("b", "m", 0.0, 1e-3, 5e-3, "distance of the moving anchor from the joint", signed=True),

@@ -104,7 +104,7 @@ class FrictionSide(WithCoulomb):
         "carries part of the load. x of the sum of both sides' levels moves to the link side, where x < 0 from there; "
         "the sum stays."
     )
-    source = "DESIGN 3 (both sides and what they do to identification); range: all of a side may move"
+    source = "design of this project (both sides and what they do to identification); range: all of a side may move"
     parameters = (
         Parameter(
             "moved",

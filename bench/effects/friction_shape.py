@@ -28,7 +28,10 @@ class Stribeck(WithCoulomb):
         "elastic element."
     )
     motion = "sweeps of these joints at several slow steady speeds"
-    source = f"{ARMSTRONG}; Bona and Indri, Friction compensation in robotics: an overview, 2005; range: DESIGN 6"
+    source = (
+        f"{ARMSTRONG}; Bona and Indri, Friction compensation in robotics: an overview, 2005; "
+        "range: design of this project"
+    )
     parameters = (
         Parameter("rise", "", 0.0, 0.1, 0.5, "r, rise at standstill, relative"),
         Parameter("speed", "rad/s", 0.02, 0.003, 0.1, "v_s, at which the rise has fallen to 1/e", is_shape=True),
@@ -63,7 +66,7 @@ class LoadFriction(OnDrive):
         "Tooth and pin contacts are pressed by the load: the motor-side level rises by mu |tau|, tau of the elastic"
         " element."
     )
-    source = f"{BITTENCOURT} (load torque); range: DESIGN 6, 0.01 to 0.06 of the torque"
+    source = f"{BITTENCOURT} (load torque); range: design of this project, 0.01 to 0.06 of the torque"
     parameters = (Parameter("coefficient", "", 0.0, 0.01, 0.06, "mu, level per transmitted torque"),)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:

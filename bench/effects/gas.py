@@ -130,7 +130,9 @@ class SealFriction(OfGas):
         "Pressed by the pressure, the seals rub in proportion to it: the rod force differs between out and in by "
         "2 s F; they hold within 0.05 mm of travel."
     )
-    source = "range: DESIGN 6, 1 to 8 %; form: contact pressure of the lips follows the gas pressure, assumed"
+    source = (
+        "range: design of this project, 1 to 8 %; form: contact pressure of the lips follows the gas pressure, assumed"
+    )
     parameters = (Parameter("share", "", 0.0, 0.01, 0.08, "friction as a part of the gas force"),)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:

@@ -31,7 +31,7 @@ class TransmissionError(OnDrive):
     )
     source = (
         "Nye and Kraml, Harmonic drive gear error: characterization and compensation, 1991; Tuttle and Seering, 1996; "
-        "range: DESIGN 6, 10 to 60 arcsec"
+        "range: design of this project, 10 to 60 arcsec"
     )
     is_additive = True
     parameters = (

@@ -24,7 +24,7 @@ class JointZero(OnDrive):
     family = "geometry and mass"
     title = "zero of a joint"
     physics = "After a mastering error the encoder reads q + x, so the servo holds the motor at command - x."
-    source = f"{NUBIOLA}; range: DESIGN 6, 0.005 to 0.1 deg"
+    source = f"{NUBIOLA}; range: design of this project, 0.005 to 0.1 deg"
     parameters = (Parameter("offset", "rad", 0.0, 8.7e-5, 1.75e-3, "reading less truth", signed=True),)
 
     def encoder_error(self, place: Place, values: Values, q: Array, velocity: Array) -> Array | None:
@@ -43,7 +43,7 @@ class LinkLength(Effect):
     family = "geometry and mass"
     title = "length of a link"
     physics = "A body stands x further out along the line from its parent's frame: machining and assembly."
-    source = f"{NUBIOLA}; range: DESIGN 6, 0.1 to 1 mm"
+    source = f"{NUBIOLA}; range: design of this project, 0.1 to 1 mm"
     parameters = (Parameter("longer", "m", 0.0, 1e-4, 1e-3, "beyond the drawing", signed=True),)
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
@@ -108,7 +108,7 @@ class DressPack(OnDrive):
     family = "geometry and mass"
     title = "dress pack"
     physics = "Cables and hoses along the arm act like a spring on a joint: torque = -c (theta - theta_0)."
-    source = "range: DESIGN 6, 5 to 100 Nm over about a radian; form assumed"
+    source = "range: design of this project, 5 to 100 Nm over about a radian; form assumed"
     is_additive = True
     parameters = (
         Parameter("stiffness", "Nm/rad", 0.0, 5.0, 100.0, "c; range for a drive of 10 kNm"),

@@ -200,7 +200,7 @@ class FrictionTemperature(_Falling):
         "A warm lubricant is thinner: Coulomb, viscous and rolling friction of the drive become "
         "exp(-c (T_gear - 293.15 K)) of their nominal values."
     )
-    source = f"{BITTENCOURT} (friction over temperature); range: DESIGN 6, 0.01 to 0.04 /K"
+    source = f"{BITTENCOURT} (friction over temperature); range: design of this project, 0.01 to 0.04 /K"
     parameters = (Parameter("decrease", "1/K", 0.0, 0.01, 0.04, "c, relative decrease per kelvin"),)
     needs = ("gear_temperature",)
     depends_on_conditions = True

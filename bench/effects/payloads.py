@@ -31,7 +31,7 @@ class PayloadMass(GeometryAndMass):
     title = "mass of the payload"
     between = "anew"
     physics = "The mass bolted to the load point is (1 + x) of what the lab states; weights that hang are not meant."
-    source = f"{SWEVERS}; range: DESIGN 6, 1 to 10 %"
+    source = f"{SWEVERS}; range: design of this project, 1 to 10 %"
     parameters = (Parameter("change", "", 0.0, 0.01, 0.1, "of the mass, relative", signed=True, least=LIGHTEST),)
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
@@ -175,7 +175,7 @@ class PayloadCom(GeometryAndMass):
     physics = (
         "The mass bolted on hangs beside the load point by (x, y, z) in the axes of the load body: moment m g x offset."
     )
-    source = f"{SWEVERS}; range: DESIGN 6, 5 to 30 mm"
+    source = f"{SWEVERS}; range: design of this project, 5 to 30 mm"
     parameters = tuple(Parameter(axis, "m", 0.0, 5e-3, 30e-3, f"offset along {axis}", signed=True) for axis in "xyz")
 
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:

@@ -26,7 +26,7 @@ class TrackerFrame(_OfTracker):
     title = "frame of the laser tracker"
     between = "anew"
     physics = "Base frame and tracker frame were aligned with an error: readings are R(r) p + t."
-    source = "Nubiola and Bonev, 2013; range: DESIGN 6, 0.05 to 0.5 mm and 0.01 to 0.05 deg"
+    source = "Nubiola and Bonev, 2013; range: design of this project, 0.05 to 0.5 mm and 0.01 to 0.05 deg"
     parameters = (
         *(Parameter(f"t{axis}", "m", 0.0, 5e-5, 5e-4, f"shift along {axis}", signed=True) for axis in "xyz"),
         *(Parameter(f"r{axis}", "rad", 0.0, 1.7e-4, 8.7e-4, f"turn about {axis}", signed=True) for axis in "xyz"),
@@ -44,7 +44,7 @@ class TrackerDrift(_OfTracker):
     title = "drift of the laser tracker"
     between = "anew"
     physics = "Tripod, floor and air warm up: readings move by rate x time since the start of the campaign."
-    source = "ISO 10360-10, laser trackers; range: DESIGN 6, 5 to 50 um/h"
+    source = "ISO 10360-10, laser trackers; range: design of this project, 5 to 50 um/h"
     parameters = tuple(Parameter(axis, "m/h", 0.0, 5e-6, 5e-5, f"rate along {axis}", signed=True) for axis in "xyz")
 
     def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
@@ -82,7 +82,7 @@ class ForceGain(_OfForce):
     name = "force_gain"
     title = "gain of the force sensor"
     physics = "Force and moment read (1 + x) of the truth."
-    source = "ISO 376, force-proving instruments (classes); range: DESIGN 6, 0.5 to 3 %"
+    source = "ISO 376, force-proving instruments (classes); range: design of this project, 0.5 to 3 %"
     parameters = (Parameter("gain", "", 0.0, 5e-3, 3e-2, "x, relative", signed=True),)
 
     def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
@@ -100,7 +100,7 @@ class ForceTilt(_OfForce):
         "The sensor's axes are turned against the world's: it reads R(r) F. A hanging load counts as vertical and "
         "is not turned."
     )
-    source = "range: DESIGN 6, 0.5 to 3 % of the force sideways (0.3 to 1.7 deg); form assumed"
+    source = "range: design of this project, 0.5 to 3 % of the force sideways (0.3 to 1.7 deg); form assumed"
     parameters = tuple(Parameter(axis, "rad", 0.0, 5e-3, 3e-2, f"rotation about {axis}", signed=True) for axis in "xyz")
 
     def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:

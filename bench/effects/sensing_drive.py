@@ -33,7 +33,9 @@ class TorqueConstant(_OnCurrent):
     name = "torque_constant"
     title = "torque constant"
     physics = "The motor makes (1 + x) xi of torque per ampere, so the same torque shows as a current of 1/(1 + x)."
-    source = "Corke, In situ measurement of robot motor electrical constants, 1996; range: DESIGN 6, 2 to 10 %"
+    source = (
+        "Corke, In situ measurement of robot motor electrical constants, 1996; range: design of this project, 2 to 10 %"
+    )
     parameters = (Parameter("change", "", 0.0, 0.02, 0.1, "of xi, relative", signed=True),)
 
     def distort(self, place: Place, values: Values, reading: Reading, trace: Trace, conditions: Conditions) -> Reading:
@@ -81,7 +83,7 @@ class TorqueConstantTemperature(_OnCurrent):
     physics = (
         "Remanence falls as the motor warms up, xi (1 - c (T_winding - 293.15 K)): the same torque takes more current."
     )
-    source = "data sheets of NdFeB magnets, -0.09 to -0.12 %/K, of ferrite -0.2 %/K; range: DESIGN 6"
+    source = "data sheets of NdFeB magnets, -0.09 to -0.12 %/K, of ferrite -0.2 %/K; range: design of this project"
     parameters = (Parameter("decrease", "1/K", 0.0, 5e-4, 2e-3, "c, relative decrease per kelvin"),)
     needs = ("motor_temperature",)
 
@@ -97,7 +99,10 @@ class CurrentOffset(_OnCurrent):
     title = "offset of a current sensor"
     between = "drifts"
     physics = "Hall sensor and amplifier are off zero: the drive reports I + x."
-    source = "data sheets of closed-loop Hall sensors (offset 0.1 to 0.5 % of range); range: DESIGN 6, 0.02 to 0.3 A"
+    source = (
+        "data sheets of closed-loop Hall sensors (offset 0.1 to 0.5 % of range); "
+        "range: design of this project, 0.02 to 0.3 A"
+    )
     parameters = (Parameter("offset", "A", 0.0, 0.02, 0.3, "reading less truth", signed=True),)
 
     def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
@@ -142,7 +147,7 @@ class EncoderDelay(Effect):
     family = "sensing"
     title = "delay of the motor encoders"
     physics = "The angles of a row were sampled d before the rest of it: they read q - d dq/dt."
-    source = "Swevers, Verdonck and De Schutter, 2007 (synchronised sampling); range: DESIGN 6, 1 to 5 ms"
+    source = "Swevers, Verdonck and De Schutter, 2007 (synchronised sampling); range: design of this project, 1 to 5 ms"
     parameters = (Parameter("delay", "s", 0.0, 1e-3, 5e-3, "d, of all encoders"),)
 
     def encoder_error(self, place: Place, values: Values, q: Array, velocity: Array) -> Array | None:

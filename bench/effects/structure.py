@@ -113,8 +113,8 @@ class BaseCompliance(_OfBase):
     title = "rocking of the base"
     physics = "The base rocks on its foundation about both horizontal axes: rotation = moment about the foot / k_base."
     source = (
-        "DESIGN 6: 5e6 to 1e8 Nm/rad; Dumas et al., Joint stiffness identification of six-revolute industrial "
-        "serial robots, 2011"
+        "design of this project: 5e6 to 1e8 Nm/rad; Dumas et al., Joint stiffness identification of six-revolute "
+        "industrial serial robots, 2011"
     )
     parameters = (Parameter("compliance", "rad/Nm", 0.0, 1e-8, 2e-7, "1/k_base; k_base is 5e6 to 1e8 Nm/rad"),)
 

@@ -83,7 +83,7 @@ class Softening(_InElement):
     source = (
         "Harmonic Drive catalogues (three-step torsional stiffness K1 < K2 < K3); "
         "Kircanski and Goldenberg, An experimental study of nonlinear stiffness, hysteresis, and friction "
-        "effects in robot joints with harmonic drives, 1997; range: DESIGN 6, k_low/k 0.3 to 0.8"
+        "effects in robot joints with harmonic drives, 1997; range: design of this project, k_low/k 0.3 to 0.8"
     )
     parameters = (
         Parameter("softness", "", 0.0, 0.2, 0.7, "s = 1 - k_low/k", most=1.0),
@@ -115,7 +115,9 @@ class Backlash(_InElement):
     physics = (
         "Within a gap g between the flanks nothing is transmitted: tau = k (x - g/2 sign x) for |x| > g/2, else 0."
     )
-    source = "Nordin and Gutman, Controlling mechanical systems with backlash: a survey, 2002; range: DESIGN 6"
+    source = (
+        "Nordin and Gutman, Controlling mechanical systems with backlash: a survey, 2002; range: design of this project"
+    )
     parameters = (Parameter("gap", "rad", 0.0, 2.9e-5, 4.4e-4, "g at the joint; 0.1 to 1.5 arcmin"),)
     scatters = True
 

@@ -20,7 +20,9 @@ from bench.identify.play import Play, play
 from bench.identify.readings import StaticReadings
 from bench.robot.bodies import Array
 
-LOAD_DEPENDENT = 0.05  # prior sigma of friction per transmitted torque; gears show 0.01 to 0.06 (DESIGN, section 6)
+LOAD_DEPENDENT = (
+    0.05  # prior sigma of friction per transmitted torque; gears show 0.01 to 0.06 (design of this project)
+)
 NEGLIGIBLE = 0.02  # share of a joint's largest change of torque that surely does not make it slide
 
 

@@ -31,7 +31,7 @@ from tests.diagnose.sweeps import SWEEPS
 
 CHOICE = ("coulomb_level", "viscous_level", "torque_constant", "gas_loss", "current_offset")
 BINS = 100
-NEAR_FLOOR = 1.3  # DESIGN 6 asks for 1.2 of listed effects; a table is linear between nodes
+NEAR_FLOOR = 1.3  # design of this project asks for 1.2 of listed effects; a table is linear between nodes
 SIGMAS = 3.5  # the largest of 33 values that go together
 HIDDEN = {
     "detent": (Detent(), {"torque": 300.0, "angle": 0.4, "width": 0.15}),

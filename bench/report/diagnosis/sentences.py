@@ -38,6 +38,11 @@ def unfinished_sentence(verdict: Verdict) -> str:
         words += f" Next it would have fitted {listed(promising, 'or')}: each may explain more, or nothing."
     if verdict.explanations:
         words += " What was found was not yet held against everything that could take its place."
+    if any(not group.is_confirmed for group in verdict.findings):
+        words += (
+            " What is not confirmed was not held against other data either, which withdraw many findings: the "
+            "probabilities here compare explanations as they stand."
+        )
     return words
 
 

@@ -8,6 +8,7 @@ import pytest
 from bench.diagnose.named_causes import ParameterValue
 from bench.diagnose.verdict import FittedFigure, NamedCause, Unfinished, Unlisted
 from bench.report.diagnosis.headline import MOST, headline
+from bench.report.diagnosis.sentences import unfinished_sentence
 from bench.report.diagnosis.words import words_of
 from tests.report.diagnosis.made import BESIDE, GAS, MASS, NOTHING, STEP_GAIN, VERDICTS, WARM, ZERO, finding
 
@@ -177,6 +178,10 @@ def test_what_was_not_held_against_other_data_yet_has_not_failed() -> None:
     assert headline(stopped).startswith(
         "Unfinished (interrupted, during: naming). So far: not yet checked on other data: "
     )
+    withdrawn = "which withdraw many findings"  # of seventeen of a KR300, each at 100 %, two stayed
+    assert withdrawn in unfinished_sentence(stopped)
+    assert withdrawn not in unfinished_sentence(replace(stopped, findings=(replace(unsure, is_confirmed=True),)))
+    assert unfinished_sentence(replace(stopped, unfinished=None)) == ""
 
 
 def test_findings_with_several_names_have_one_each_in_a_long_headline() -> None:
