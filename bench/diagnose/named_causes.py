@@ -6,7 +6,7 @@ from math import isfinite
 from bench.diagnose.extend.size import NORMAL_95
 
 # declared: of the plausible range, as the report says (of 16 large effects hidden in messes the smallest came out at
-# 0.196: design of this project.1)
+# 0.196: DESIGN 6.1)
 SMALL = 0.2
 LIKELY = 0.9  # declared: of the probability of a finding, that the names hold by which it is as large as it surely is
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.second.figures import Figures, Law
 
-SHORTEST, LONGEST = 0.5, 3.0  # presliding travel against the nominal one, design of this project.8
+SHORTEST, LONGEST = 0.5, 3.0  # presliding travel against the nominal one, DESIGN 6.8
 PROPORTIONAL = 0.25  # share of worlds whose servos give, assumed
 
 

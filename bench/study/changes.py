@@ -26,7 +26,7 @@ from bench.study.make import Sized
 from bench.study.visible import visibility
 from bench.study.worlds import MachineWorld, surroundings_of
 
-QUARTER = 0.25  # of its absolute detection limit, at which a change is to be found (design of this project.8)
+QUARTER = 0.25  # of its absolute detection limit, at which a change is to be found (DESIGN 6.8)
 # Instruments that are set up anew for each recording: what they do otherwise than before is no change of the machine
 ANEW = ("tracker_frame", "tracker_drift", "tracker_scale", "force_gain", "force_tilt", "current_offset")
 STRIDE = (

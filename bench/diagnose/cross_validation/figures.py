@@ -17,7 +17,7 @@ from bench.diagnose.replay.nuisances import Nuisance
 from bench.identify.told import is_told
 from bench.record.campaign import Array
 
-MOVED = 2.0  # declared: design of this project.5: whatever moved beyond two standard deviations is named
+MOVED = 2.0  # declared: DESIGN 6.5: whatever moved beyond two standard deviations is named
 CHANCE = 0.05  # declared: of diagnoses since which nothing has changed, those that say so of a figure
 # exact: Of two estimates, from where on one is said to trade against the other: half of the variance of the one is
 # then gone when the other is known (rho^2 = 1/2).

@@ -17,7 +17,7 @@ from bench.diagnose.linearise.candidates import Cause
 # declared: log posterior odds behind the best, up to where a model is not told apart from it (odds of 400)
 IN_SET = 6.0
 MOST_NEAR = 100  # effort: likeliest subsets in which a finding is exchanged
-LEVEL = 0.99  # declared: of a set (design of this project.2)
+LEVEL = 0.99  # declared: of a set (DESIGN 6.2)
 
 Keys = frozenset[Hashable]
 
