@@ -58,6 +58,9 @@ def test_it_is_said_which_recording_a_model_carries_the_payload_of(
     words = promise_sentence(replace(found, carried_kg=141.7234, as_in="b"))
     assert "It carries 141.7 kg at the load point" in words
     assert "as in b, the last of the recordings that it was made of" in words
+    words = promise_sentence(replace(found, carried_kg=141.7234, as_in="b", free=("payload",)))
+    assert words.endswith("what it carries is fitted anew here.")
+    assert "carries what the model carries" not in words
     fitted = nominal.robot.figures.fitted.model_copy(update={"recording": "b"})
     figures = nominal.robot.figures.model_copy(update={"fitted": fitted})
     model = replace(nominal, robot=replace(nominal.robot, figures=figures))

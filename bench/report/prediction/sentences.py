@@ -70,11 +70,13 @@ def promise_sentence(prediction: Prediction) -> str:
     count = len(prediction.answers)
     if not count:
         return ""
-    return (
-        f"Each interval was promised to hold with 90 % at least, so of {count} about {0.1 * count:.1g} or fewer fail "
-        "by chance, above or below. They are about a recording of the same robot that carries what the model carries, "
-        f"made at once or on another day. {_carried(prediction)}"
+    about = (
+        f"Each interval was promised to hold with 90 % at least, so of {count} about {0.1 * count:.1g} or fewer fail"
     )
+    about += " by chance, above or below. They are about a recording of the same robot"
+    if "payload" in prediction.free:
+        return f"{about}, made at once or on another day; what it carries is fitted anew here."
+    return f"{about} that carries what the model carries, made at once or on another day. {_carried(prediction)}"
 
 
 def _carried(prediction: Prediction) -> str:
