@@ -44,7 +44,7 @@ def _picture(recording: PredictedRecording, column: int) -> Picture:
     noise = clock.curve(scale * BAND * recording.noise[:, column])
     below.fill_between(seconds, -noise, noise, color=PALE, linewidth=0, label="floor, 95 %")
     below.axhline(0.0, color=INK, linewidth=0.6)
-    below.plot(seconds, clock.curve(error), color=COLOURS[0], linewidth=0.9, label="left")
+    below.plot(seconds, clock.curve(error), color=COLOURS[0], linewidth=0.9)
     size = rms(error[np.isfinite(error)] / scale)
     below.set_title(f"left: RMS {shown((size,), quantity.unit, size / 10)[0]} {unit}", loc="left")
     for panel in (above, below):
