@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from bench.compare.free_torques import acting_in, beside, free_torques
 from bench.diagnose.baseline.first_look import first_look
 from bench.diagnose.diagnose import FALSE_ALARM_RATE, diagnose
 from bench.diagnose.explain import measured_by, recorded_by
@@ -83,8 +84,9 @@ def as_it_was(
     2 % moves the part of the current that a wrong inertia left over by 2 %, too. Linear about the nominal robot that is
     left out, and was named as a change of inertia. Where figures alone do not fit, friction, a payload and a delay that
     nobody stated are fitted with them, if that is likelier: else torque constants would stand for all friction. Where
-    even so not all is explained, the recordings before are diagnosed, and the robot has all that is found: about a
-    robot that is far off, changes have wrong names.
+    even so not all is explained, a torque over the angle of every joint is fitted with it (`free_torques.py`). Where
+    that does not do either, the recordings before are diagnosed, and the robot has all that is found: about a robot
+    that is far off, changes have wrong names.
 
     A robot that a diagnosis handed over has all that the machine has. What it leaves of the noise is what the diagnosis
     could not explain either, so only what may be another one in each recording is asked for, where signatures show it.
@@ -121,13 +123,15 @@ def as_it_was(
             changes = Signatures(compiled, quantities, nuisances, causes).sensitivities(segments, watched)
             linear = linearised_model_of(Replay(compiled, segments, quantities), nuisances, changes.nuisances)
             fit = refit(linear, (), {}, progress=lambda share: check())
-            if causes and _left(linear, fit) > FITS:
+            world, left = fit.world(linear), _left(linear, fit)
+            if causes and left > FITS:
                 around = Neighbourhood(compiled, known, measured, FALSE_ALARM_RATE, watched, recorded)
                 weighed, screening = around.weighed(linear, causes, changes)
                 if not is_handed_over or _shows(screening):
                     candidate = what_is_left_out(weighed, screening, Model(fit))
-                    fit = max(fit, _fitted(linear, candidate, watched), key=lambda one: one.log_evidence)
-            is_far = not is_handed_over and _left(linear, fit) > FITS
+                    may_be_held = not is_handed_over
+                    world, left = _with_what_is_left_out(linear, fit, candidate, watched, may_be_held=may_be_held)
+            is_far = not is_handed_over and left > FITS
             if is_far:
                 progress("a diagnosis of the robot as it was")
                 every = catalogue() if effects is None else effects
@@ -143,9 +147,9 @@ def as_it_was(
                     first=first_look(campaign, compiled).found,
                 )
                 linear, fit = found.linear, found.extension or found.naming.null
-            world = as_of(fit.world(linear), recordings_of(segments)[-1])
-            robot = _written(linear.replay.compiled, world, folder / "robot")
-            return AsItWas(robot, is_handed_over or is_far)
+                world = fit.world(linear)
+            last = as_of(world, recordings_of(segments)[-1])
+            return AsItWas(_written(linear.replay.compiled, last, folder / "robot"), is_handed_over or is_far)
         except NOT_SIMULATED:
             return AsItWas(compiled, is_handed_over)
 
@@ -158,6 +162,32 @@ def _shows(screening: Screening) -> bool:
 def _left(linear: LinearisedModel, fit: Fit) -> float:
     """Return what a fit leaves, the root mean square in standard deviations."""
     return float(np.sqrt(np.mean(linear.whiten(fit.residual) ** 2)))
+
+
+def _with_what_is_left_out(
+    linear: LinearisedModel, nominal: Fit, candidate: CandidateModel, executor: Executor, *, may_be_held: bool
+) -> tuple[World, float]:
+    """Return the likeliest world and what it leaves: with figures alone, with what nobody stated, or held as well.
+
+    Args:
+        linear: The campaign.
+        nominal: Fit of the figures alone.
+        candidate: What nobody stated.
+        executor: Where to fit.
+        may_be_held: Whether something else may hold the joints, which is asked where even so not all is explained.
+    """
+    best = max(nominal, _fitted(linear, candidate, executor), key=lambda one: one.log_evidence)
+    left = _left(linear, best)
+    if not may_be_held or left <= FITS:
+        return best.world(linear), left
+    torques = free_torques(linear)
+    design = beside(linear, torques)
+    other = _fitted(design, candidate, executor)
+    if other.log_evidence < best.log_evidence:
+        return best.world(linear), left
+    world = other.world(design)
+    world = World(world.deviations, (*world.acting, *acting_in(linear, torques, other)))
+    return world, _left(design, other)
 
 
 def _fitted(linear: LinearisedModel, candidate: CandidateModel, executor: Executor) -> Fit:
