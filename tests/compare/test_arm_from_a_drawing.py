@@ -25,23 +25,18 @@ from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE
 from bench.errors import ConvergenceError
 from bench.executor.watched import Stop, Stopped
-from bench.record.campaign import Array, Campaign, Run
+from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 from tests import stranger
+from tests.compare.drawn_arm import PAYLOAD, Load, recorded, with_balancer, with_drag, with_ripple
 from tests.diagnose.noise_free import linearised
 from tests.stranger_started import started
 
-SECONDS = 8.0  # [s], of a run
 TOLD_APART = 10.0  # [s], of one that tells friction from a spring and torque constants
-Load = tuple[float, tuple[float, float, float]]  # [kg], and where it is beside the tool [m]
-PAYLOAD = 3.0  # [kg], of which nothing is stated
-UNSTATED: Load = (PAYLOAD, stranger.MIDDLE)
 LIGHT: Load = (3.0, (0.1, 0.05, -0.05))
 HEAVY: Load = (9.0, (-0.15, 0.1, 0.1))
 ROUNDING = 1e-12  # of a size in steps of its signature, back in its unit
-DRAG = 20.0  # [Nm s^2/rad^2]
-BALANCED = 60.0  # [Nm], by a spring of which nothing is stated
 
 
 @pytest.fixture(scope="module")
@@ -67,30 +62,6 @@ def fitted_to_heavy(arm: CompiledRobot, heavy: Campaign, tmp_path_factory: pytes
     return as_it_was(heavy, arm, tmp_path_factory.mktemp("heavy")).robot
 
 
-def recorded(
-    compiled: CompiledRobot,
-    seed: int,
-    more_friction: float = 0.0,
-    payload: Load = UNSTATED,
-    seconds: float = SECONDS,
-) -> Campaign:
-    """Return two runs of the real arm, with the Coulomb friction of its second joint raised by a share."""
-    rng = np.random.default_rng(seed)
-    real = stranger.as_filed(*payload)
-    runs = []
-    for number in range(2):
-        motion = stranger.moved(rng, seconds, real)
-        torque = motion.torque.copy()
-        torque[:, 1] += more_friction * stranger.COULOMB[1] * np.tanh(motion.velocity[:, 1] / 0.01)
-        columns: Mapping[str, Array] = {
-            "time_s": motion.time,
-            **{f"q_motor_{j + 1}_rad": motion.position[:, j] for j in range(3)},
-            **{f"tau_motor_{j + 1}_nm": torque[:, j] for j in range(3)},
-        }
-        runs.append(Run(f"run{number}", "motion", 100.0 * number, columns))
-    return Campaign(str(compiled.robot.folder), tuple(runs))
-
-
 def compared(fitted: CompiledRobot, before: Campaign, after: Campaign) -> Comparison:
     return compare(recordings_of({"before": before}, {"after": after}), fitted, catalogue())
 
@@ -114,34 +85,6 @@ def assert_carried(fitted: CompiledRobot, campaign: Campaign, load: Load) -> Non
 def test_it_has_a_payload_wherever_that_hangs(fitted_to_heavy: CompiledRobot, heavy: Campaign) -> None:
     """The fit ended with 5 kg half a metre off for 9 kg, at 76 times the noise."""
     assert_carried(fitted_to_heavy, heavy, HEAVY)
-
-
-def with_ripple(campaign: Campaign) -> Campaign:
-    """Return the campaign with a torque over the angle of the first joint, of which no listed cause says anything."""
-    runs = []
-    for run in campaign.runs:
-        torque = run.columns["tau_motor_1_nm"] + 3.0 * np.sin(7 * run.columns["q_motor_1_rad"])
-        runs.append(replace(run, columns={**run.columns, "tau_motor_1_nm": torque}))
-    return replace(campaign, runs=tuple(runs))
-
-
-def with_balancer(campaign: Campaign) -> Campaign:
-    """Return the campaign with a spring that carries a part of what hangs on the second joint; nobody stated it."""
-    runs = []
-    for run in campaign.runs:
-        torque = run.columns["tau_motor_2_nm"] + BALANCED * np.sin(run.columns["q_motor_2_rad"] + 0.1)
-        runs.append(replace(run, columns={**run.columns, "tau_motor_2_nm": torque}))
-    return replace(campaign, runs=tuple(runs))
-
-
-def with_drag(campaign: Campaign) -> Campaign:
-    """Return the campaign with a drag of the first joint that grows with the square of its speed."""
-    runs = []
-    for run in campaign.runs:
-        speed = np.gradient(run.columns["q_motor_1_rad"], run.columns["time_s"])
-        torque = run.columns["tau_motor_1_nm"] + DRAG * speed * np.abs(speed)
-        runs.append(replace(run, columns={**run.columns, "tau_motor_1_nm": torque}))
-    return replace(campaign, runs=tuple(runs))
 
 
 def test_no_fit_begins_where_no_machine_can_be(
