@@ -1,4 +1,4 @@
-"""The robot as a campaign shows it, without any named cause: what a comparison is linear about."""
+"""The robot as the recordings before show it: what a comparison is linear about."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -55,7 +55,7 @@ FITS = 2.0  # declared: times the noise, that stated figures leave of a robot wh
 
 @dataclass(frozen=True, eq=False)
 class AsItWas:
-    """The robot as it was.
+    """The robot as it was before anything changed.
 
     Attributes:
         robot: With all that was fitted.
