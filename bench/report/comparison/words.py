@@ -28,6 +28,7 @@ from bench.report.diagnosis.numbers import percent
 BEST_LIMITS = 8
 MOST_TOLD = 6  # explanations that a terminal shows in full
 SURE = 0.9  # declared, as of an interval: probability of a name from which on a headline says it without the others
+TOP = 0.999  # exact: probability beyond which nothing is said to be more, as of `percent`
 OTHERS = "; and others, listed below"
 LEAST = 1e-12  # of a probability that is said: none is nothing
 UNFINISHED = (
@@ -96,7 +97,8 @@ def _findings(comparison: Comparison, room: int) -> str:
         return _undecided(comparison.findings, room, is_open=comparison.has_other_explanations)
     first = sorted((one.names[0] for one in sure), key=lambda name: -name.probability)
     least = percent(first[-1].probability)
-    each = f" (each {least} or more)" if len(first) > 1 else f" ({least})"
+    more = " or more" if first[-1].probability <= TOP else ""  # there "> 99.9 %" begins
+    each = f" (each {least}{more})" if len(first) > 1 else f" ({least})"
     others = [one for one in comparison.findings if one not in sure]
     beside = OTHERS if others else ""
     names = fitting(together(first), "and", room - len(each + beside)) or f"{len(first)} changes"

@@ -69,6 +69,9 @@ def test_a_headline_names_the_sure_ones_first() -> None:
     sure = (names(6, 0.92, 0.082), names(4, 0.993), names(3, 0.98, 0.019), names(5, 0.97), names(1, 0.94))
     said = headline(replace(OTHER, findings=sure))
     assert said == "Changed: Coulomb level (joints 1, 3, 4, 5, 6) (each 92 % or more)."
+    for least, words in ((0.9995, "> 99.9 %"), (1.0, "100 %")):  # "each > 99.9 % or more", it said
+        said = headline(replace(OTHER, findings=(names(1, 1.0), names(2, least))))
+        assert said == f"Changed: Coulomb level (joints 1, 2) (each {words})."
     said = headline(replace(SET, findings=(names(2, 0.6, 0.39), *sure[:2])))
     assert said.startswith("Changed: Coulomb level (joints 4, 6) (each 92 % or more); ")
     many = tuple(names(k, 0.6, 0.39) for k in (2, 3, 5))
