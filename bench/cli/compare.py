@@ -61,7 +61,7 @@ class Compare:
         from bench.executor.watched import Stop, Stopped, Watched
         from bench.record.folder import new_folder
         from bench.report.comparison.recordings import open_compared
-        from bench.report.comparison.words import words_of
+        from bench.report.comparison.words import diagnosed_sentence, words_of
         from bench.report.comparison.write import COMPARISON, REPORT, write_comparison
         from bench.report.prediction.model import known_of, load_model
         from bench.store.place import open_store
@@ -112,6 +112,8 @@ class Compare:
             return UNFINISHED
         for line in words_of(found):
             print(line)
+        if begun.is_diagnosed and not is_handed_over:
+            print(diagnosed_sentence(name))
         if self.out:
             print(f"report     {self.out / REPORT}")
             print(f"numbers    {self.out / COMPARISON}")

@@ -10,6 +10,7 @@ from bench.compare.background import Background
 from bench.compare.courses import Courses, courses_of
 from bench.compare.profiles import Profile
 from bench.diagnose.extend.fit import BEYOND
+from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.marginal import Marginal
 from bench.diagnose.linearise.screening import NARROWER, Entry
 from bench.diagnose.linearise.threshold import LEAST, family_threshold
@@ -22,6 +23,8 @@ from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
 MOST_TERMS = 1000  # effort: that a search is given, the best by evidence: memory stays small with many recordings
+POWER_OF_LEVER = {"kg m": 1, "kg m^2": 2}  # exact
+LEVERS = 3  # declared: of a metre, a third of that, and a tenth
 # rounding: norm of a column, whitened instant by instant, on a course on which it never acts
 INVISIBLE = 1e-6
 
@@ -72,8 +75,10 @@ class Found:
     Attributes:
         model: What the search was given.
         possible: What each of its terms is.
-        alternatives: What subsets of listed causes say, the most probable first.
-        probability: Of each of them; one that has all causes of a likelier one and more counts for that.
+        alternatives: What subsets of listed causes say, the most probable first; that nothing changed is the first or
+            the last of them.
+        probability: Of each of them; one that has all causes of a likelier one and more counts for that, so with all
+            of these one may be the most probable that by itself is not the likeliest.
         shape: Index of the free shape that explains more than the listed causes do; None: they suffice.
         screened: One for each course.
     """
@@ -99,12 +104,12 @@ class Found:
 
     @property
     def near(self) -> tuple[int, ...]:
-        """Indices of the alternatives that the data cannot tell from the best, without those that only say more."""
+        """Indices of the alternatives that the data cannot tell from the best, without those that count for others."""
         best = self.alternatives[0].log_posterior
         found: list[int] = []
         for i, one in enumerate(self.alternatives):
-            keys = [self.alternatives[j].keys for j in found]
-            if one.log_posterior > best - IN_SET and not any(known and known < one.keys for known in keys):
+            says_more = any(known and known < one.keys for known in (self.alternatives[j].keys for j in found))
+            if one.log_posterior > best - IN_SET and (not says_more or self.probability[i] > 0):
                 found.append(i)
         return tuple(found)
 
@@ -147,10 +152,25 @@ def find_changes(background: Background, profiles: Sequence[Profile], rate: floa
     places = [(one.entry.cause.effect.name, one.profile) if one.entry.cause else None for one in chosen]
     visited = searched_from_each(model, ((), *everywhere(model, places)))
     subsets = {subset.terms: subset for subset in (*visited, *exchanges(model, visited[0], most=2))}
-    alternatives = tuple(alternatives_of(model, subsets.values()))
-    return Found(
-        model, chosen, alternatives, _probabilities(alternatives), _shape(model, alternatives), tuple(screened)
-    )
+    likeliest = alternatives_of(model, subsets.values())
+    alternatives, probability = most_probable_first(likeliest)
+    return Found(model, chosen, alternatives, probability, _shape(model, likeliest), tuple(screened))
+
+
+def most_probable_first(likeliest: Sequence[Alternative]) -> tuple[tuple[Alternative, ...], tuple[float, ...]]:
+    """Return alternatives in the order of their probabilities, and these.
+
+    What has all causes of a likelier one and more counts for that one. Whether anything changed at all is told by what
+    is the likeliest by itself: if that is nothing, it stays the first.
+
+    Args:
+        likeliest: In the order of what each says by itself.
+    """
+    shares = shares_of({one.keys: one.log_posterior for one in likeliest})
+    order = list(likeliest)
+    if order[0].keys:
+        order.sort(key=lambda one: (not one.keys, -shares.get(one.keys, 0.0), -one.log_posterior))
+    return tuple(order), tuple(shares.get(one.keys, 0.0) for one in order)
 
 
 def sizes_of(found: Found, terms: tuple[int, ...]) -> tuple[Array, Array]:
@@ -164,8 +184,8 @@ def priors_of(entry: Entry, information: Array) -> tuple[tuple[Array, float], ..
     """Return standard deviations of a change, shape (k,) each, and the logarithm of the share of odds that each has.
 
     What is known of a change is how large it can be at most, not that it is about as large: a machine that is watched
-    changes little. So all scales are as probable, from what is plausible down to what the recordings resolve. A free
-    shape has its own.
+    changes little. So all scales are as probable, from what is plausible down to what the recordings resolve. Where
+    sizes are a mass with its moments, so are its levers (`levers_of`). A free shape has its own.
 
     Args:
         entry: A cause with its shape, or a free shape.
@@ -176,8 +196,22 @@ def priors_of(entry: Entry, information: Array) -> tuple[tuple[Array, float], ..
     plausible, share = entry.priors[0]
     resolved = float(np.max(plausible**2 * information[entry.columns]))
     count = 1 + max(int(0.5 * np.log(max(resolved, 1.0)) / -np.log(NARROWER)), 0)
-    each = share + float(np.log(len(entry.priors) / count))
-    return tuple((plausible * NARROWER**k, each) for k in range(count))
+    levers = levers_of(entry.cause)
+    each = share + float(np.log(len(entry.priors) / (count * len(levers))))
+    return tuple((plausible * lever * NARROWER**k, each) for k in range(count) for lever in levers)
+
+
+def levers_of(cause: Cause) -> tuple[Array, ...]:
+    """Return by how much each size of a cause shrinks, shape (k,), with the levers at which a mass may sit.
+
+    A moment is a mass times a lever, a second moment times its square. What is plausible of them has a lever of a
+    metre; a tool sits at a tenth of that. With one scale for all three, one that suits its moments holds its mass near
+    nothing: of 0.35 kg more on a stranger's arm 0.21 to 0.29 kg came out, or a last link that is 43 % heavier.
+    """
+    powers = np.array([POWER_OF_LEVER.get(size.unit, 0) for size in cause.sizes])
+    if "kg" not in (size.unit for size in cause.sizes) or not np.any(powers):
+        return (np.ones(len(powers)),)
+    return tuple(NARROWER ** (k * powers) for k in range(LEVERS))
 
 
 def signs_of(entry: Entry, compiled: CompiledRobot) -> tuple[tuple[Array, int], ...]:
@@ -230,12 +264,6 @@ def _term(possible: Possible, columns: Array) -> Term:
     listed = possible.entry.cause is not None
     most = BEYOND * np.sqrt(3) * possible.entry.priors[0][0] if listed else None  # a prior is high/sqrt(3) wide
     return Term(possible.key, columns, possible.prior, possible.log_odds, possible.sign, listed, most=most)
-
-
-def _probabilities(alternatives: Sequence[Alternative]) -> tuple[float, ...]:
-    """Return the probability of each alternative; what has all causes of a likelier one and more counts for that."""
-    shares = shares_of({one.keys: one.log_posterior for one in alternatives})
-    return tuple(shares.get(one.keys, 0.0) for one in alternatives)
 
 
 def _shape(model: SubsetPosterior, alternatives: Sequence[Alternative]) -> int | None:

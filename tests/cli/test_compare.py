@@ -14,12 +14,14 @@ from bench import paths
 from bench.cli import main
 from bench.cli.compare import CHANGED
 from bench.cli.stopping import UNFINISHED
+from bench.compare.as_it_was import AsItWas
 from bench.diagnose.replay.posterior import Posterior
 from bench.errors import InputError
 from bench.record.known import Known
 from bench.record.write import write_campaign
 from bench.report.handover.posterior_file import write_posterior
-from bench.robot.compiled import CompiledRobot
+from bench.robot.compiled import CompiledRobot, compile_robot
+from bench.robot.folder import load_robot
 from tests.diagnose.sweeps import SWEEP, made
 
 
@@ -117,6 +119,22 @@ def test_the_folder_of_a_diagnosis_stands_for_the_robot_that_it_handed_over(
     arguments = [*folders, "--robot", str(found), "--no-store", "--cores", "1"]
     assert main(["compare", *arguments]) == 0
     assert capsys.readouterr().out.startswith("Nothing changed")
+
+
+@pytest.mark.parametrize("is_diagnosed", [True, False])
+def test_a_comparison_that_had_to_diagnose_says_so(
+    campaigns: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], is_diagnosed: bool
+) -> None:
+    """Only a line of progress said it, and each comparison with the same recordings took the minutes again."""
+
+    def begun(*given: object, **how: object) -> AsItWas:
+        return AsItWas(compile_robot(load_robot("hh150")), is_diagnosed)
+
+    monkeypatch.setattr("bench.compare.as_it_was.as_it_was", begun)
+    folders = [str(campaigns / name) for name in ("may", "june")]
+    assert main(["compare", *folders, "--no-store", "--cores", "1"]) in (0, CHANGED)
+    said = "To compare with may again, bench diagnose it once, and give --robot the folder of that."
+    assert (said in capsys.readouterr().out) == is_diagnosed
 
 
 @pytest.mark.parametrize("is_handed_over", [True, False])

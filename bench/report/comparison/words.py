@@ -72,6 +72,14 @@ def left_before_sentence(comparison: Comparison) -> str:
     )
 
 
+def diagnosed_sentence(before: str) -> str:
+    """Return that the robot as it was has been diagnosed for a comparison, and how that is made once for all."""
+    return (
+        f"The robot as it was is what a diagnosis of {before} found, for figures, friction and payload left more than "
+        f"twice the noise. To compare with {before} again, bench diagnose it once, and give --robot the folder of that."
+    )
+
+
 def _headline(comparison: Comparison) -> str:
     if comparison.unlisted:
         course = course_words(comparison.unlisted, comparison)
@@ -189,7 +197,7 @@ def drift_sentences(comparison: Comparison) -> Iterator[str]:
     for (title, unit, expected), values in places.items():
         yield (
             f"Drift of the day in {last}, which is not counted as a change: {title}: {'; '.join(values)} "
-            f"(90 % intervals; a standard deviation of {expected_text(expected, unit)} was expected)"
+            f"(90 % intervals; a difference with a standard deviation of {expected_text(expected, unit)} was expected)"
         )
 
 
