@@ -16,9 +16,10 @@ class Compare:
     """Say what changed on a machine between two or more campaigns of it, and by how much.
 
     Whatever stayed as it was is not blamed, however wrong the model is: it is learned from BEFORE, to which the
-    robot's figures are fitted first. Best with the same motion before and after, a routine check; then everything that
-    stayed cancels. With three or more campaigns after, courses over time are told apart: a step, something that was
-    there once, a trend.
+    robot's figures are fitted first, and what its drawing leaves out. Where that leaves more than twice the noise,
+    BEFORE is diagnosed, which takes minutes; --robot with the folder of a diagnosis saves them. Best with the same
+    motion before and after, a routine check; then everything that stayed cancels. With three or more campaigns after,
+    courses over time are told apart: a step, something that was there once, a trend.
     """
 
     before: tyro.conf.Positional[Path]

@@ -71,7 +71,10 @@ def ratio_figure(
     """
     shares = sorted({result.condition.link_share for result in results})
     rows = -(-len(joint_names) // COLUMNS)
-    figure, axes = new_figure(f"Force method over current method: {protocol}", rows, COLUMNS, 0.8 + 2.9 * rows)
+    title = (
+        f"Force method over current method: {protocol}\n(from 0.5 to 2; a line ends where a method tells no stiffness)"
+    )
+    figure, axes = new_figure(title, rows, COLUMNS, 0.8 + 2.9 * rows)
     panels = [panel for row in axes for panel in row]
     for j, (panel, name) in enumerate(zip(panels, joint_names, strict=False)):
         for i, share in enumerate(shares):
