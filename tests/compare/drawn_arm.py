@@ -13,7 +13,6 @@ SECONDS = 8.0  # [s], of a run
 Load = tuple[float, tuple[float, float, float]]  # [kg], and where it is beside the tool [m]
 PAYLOAD = 3.0  # [kg], of which nothing is stated
 UNSTATED: Load = (PAYLOAD, stranger.MIDDLE)
-DRAG = 20.0  # [Nm s^2/rad^2]
 BALANCED = 60.0  # [Nm], by a spring of which nothing is stated
 
 
@@ -56,14 +55,4 @@ def with_balancer(campaign: Campaign) -> Campaign:
     for run in campaign.runs:
         torque = run.columns["tau_motor_2_nm"] + BALANCED * np.sin(run.columns["q_motor_2_rad"] + 0.1)
         runs.append(replace(run, columns={**run.columns, "tau_motor_2_nm": torque}))
-    return replace(campaign, runs=tuple(runs))
-
-
-def with_drag(campaign: Campaign) -> Campaign:
-    """Return the campaign with a drag of the first joint that grows with the square of its speed."""
-    runs = []
-    for run in campaign.runs:
-        speed = np.gradient(run.columns["q_motor_1_rad"], run.columns["time_s"])
-        torque = run.columns["tau_motor_1_nm"] + DRAG * speed * np.abs(speed)
-        runs.append(replace(run, columns={**run.columns, "tau_motor_1_nm": torque}))
     return replace(campaign, runs=tuple(runs))

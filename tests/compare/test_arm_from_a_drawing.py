@@ -21,6 +21,7 @@ from bench.diagnose.extend.fit import Fit, Key, unknowns_of
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.replay.world import World
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import WHOLE
 from bench.errors import ConvergenceError
@@ -29,7 +30,7 @@ from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
 from tests import stranger
-from tests.compare.drawn_arm import PAYLOAD, Load, recorded, with_balancer, with_drag, with_ripple
+from tests.compare.drawn_arm import PAYLOAD, Load, recorded, with_balancer, with_ripple
 from tests.diagnose.noise_free import linearised
 from tests.stranger_started import started
 
@@ -161,7 +162,7 @@ def test_where_what_drawings_leave_out_does_not_do_the_robot_is_what_a_diagnosis
     arm: CompiledRobot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """About a robot at ten times the noise, "friction over the angle" had changed between two recordings, at 99 %."""
-    before, effects = with_drag(recorded(arm, 1)), {}
+    before, effects = recorded(arm, 1), {}
     asked: list[object] = []
 
     def diagnosed(campaign: Campaign, *given: object, **how: object) -> SimpleNamespace:
@@ -170,7 +171,11 @@ def test_where_what_drawings_leave_out_does_not_do_the_robot_is_what_a_diagnosis
         moved = replace(refit(linear, (), {}), nuisances=np.full(len(linear.nuisances), 0.1))
         return SimpleNamespace(linear=linear, extension=moved, naming=None)
 
+    def left_over(linear: LinearisedModel, nominal: Fit, *given: object, **how: object) -> tuple[World, float]:
+        return nominal.world(linear), FITS + 1  # what drawings leave out does not do
+
     monkeypatch.setattr(as_it_was_module, "diagnose", diagnosed)
+    monkeypatch.setattr(as_it_was_module, "_with_what_is_left_out", left_over)
     held = as_it_was(before, arm, tmp_path, effects)
     assert held.is_diagnosed
     assert asked == [(before, arm, effects)]
