@@ -62,7 +62,7 @@ class Compare:
         from bench.executor.watched import Stop, Stopped, Watched
         from bench.record.folder import new_folder
         from bench.report.comparison.recordings import open_compared
-        from bench.report.comparison.words import diagnosed_sentence, words_of
+        from bench.report.comparison.words import words_of
         from bench.report.comparison.write import COMPARISON, REPORT, write_comparison
         from bench.report.prediction.model import known_of, load_model
         from bench.store.place import open_store
@@ -105,7 +105,7 @@ class Compare:
                     store=store,
                     check=stop.check,
                 )
-                found = replace(found, is_diagnosed=begun.is_diagnosed)
+                found = replace(found, robot=begun.origin)
                 if folder:
                     write_comparison(found, folder, compiled.robot.figures.title, self.command)
         except Stopped as stopped:
@@ -113,8 +113,6 @@ class Compare:
             return UNFINISHED
         for line in words_of(found):
             print(line)
-        if begun.is_diagnosed and not is_handed_over:
-            print(diagnosed_sentence(name))
         if self.out:
             print(f"report     {self.out / REPORT}")
             print(f"numbers    {self.out / COMPARISON}")

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from bench.compare.comparison import Origin
 from bench.compare.free_torques import acting_in, beside, free_torques
 from bench.diagnose.baseline.first_look import first_look
 from bench.diagnose.diagnose import FALSE_ALARM_RATE, diagnose
@@ -59,11 +60,11 @@ class AsItWas:
 
     Attributes:
         robot: With all that was fitted.
-        is_diagnosed: Whether a diagnosis found that.
+        origin: What found that.
     """
 
     robot: CompiledRobot
-    is_diagnosed: bool = False
+    origin: Origin
 
 
 def as_it_was(
@@ -106,11 +107,12 @@ def as_it_was(
         Stopped: Before all was fitted.
     """
     progress("the robot as it was")
+    origin: Origin = "handed over" if is_handed_over else "fitted"
     campaign = with_payloads(before)
     quantities = quantities_of(campaign.runs, compiled)
     segments = segments_of(campaign, compiled, quantities)
     if not segments:
-        return AsItWas(compiled, is_handed_over)
+        return AsItWas(compiled, origin)
     nuisances = with_recordings(nuisances_of(compiled, quantities), compiled, campaign.recordings)
     known = {name: effect for name, effect in catalogue().items() if name in LEFT_OUT}
     if is_handed_over:
@@ -131,8 +133,7 @@ def as_it_was(
                     candidate = what_is_left_out(weighed, screening, Model(fit))
                     may_be_held = not is_handed_over
                     world, left = _with_what_is_left_out(linear, fit, candidate, watched, may_be_held=may_be_held)
-            is_far = not is_handed_over and left > FITS
-            if is_far:
+            if not is_handed_over and left > FITS:
                 progress("a diagnosis of the robot as it was")
                 every = catalogue() if effects is None else effects
                 found = diagnose(
@@ -147,11 +148,11 @@ def as_it_was(
                     first=first_look(campaign, compiled).found,
                 )
                 linear, fit = found.linear, found.extension or found.naming.null
-                world = fit.world(linear)
+                world, origin = fit.world(linear), "diagnosed"
             last = as_of(world, recordings_of(segments)[-1])
-            return AsItWas(_written(linear.replay.compiled, last, folder / "robot"), is_handed_over or is_far)
+            return AsItWas(_written(linear.replay.compiled, last, folder / "robot"), origin)
         except NOT_SIMULATED:
-            return AsItWas(compiled, is_handed_over)
+            return AsItWas(compiled, origin)
 
 
 def _shows(screening: Screening) -> bool:

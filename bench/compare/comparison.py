@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Literal
 
 from bench.compare.profiles import Course
 from bench.diagnose.verdict import Unfinished
 from bench.effects.effect import Level
 
+# of the robot that changes are linear about: fitted to the recordings before, found by a diagnosis of them, or earlier
+Origin = Literal["fitted", "diagnosed", "handed over"]
 NORMAL_90 = 1.645  # exact: standard deviations, of the intervals of a comparison
 
 
@@ -247,7 +249,7 @@ class Comparison:
         left_before: Channels that the robot as it was misses before, the worst first: the names of what changed are no
             better than that robot.
         unfinished: Why it ended before it was done; None: it was.
-        is_diagnosed: Whether the robot as it was is that of a diagnosis, earlier or of this comparison.
+        robot: Where the robot as it was comes from.
     """
 
     recordings: tuple[Compared, ...]
@@ -263,7 +265,7 @@ class Comparison:
     left_out: tuple[str, ...] = ()
     left_before: tuple[LeftBefore, ...] = ()
     unfinished: Unfinished | None = None
-    is_diagnosed: bool = False
+    robot: Origin = "fitted"
 
     @property
     def has_changed(self) -> bool:

@@ -24,7 +24,7 @@ from bench.robot.compiled import CompiledRobot
 
 MOST_TERMS = 1000  # effort: that a search is given, the best by evidence: memory stays small with many recordings
 POWER_OF_LEVER = {"kg m": 1, "kg m^2": 2}  # exact
-LEVERS = 3  # declared: of a metre, a third of that, and a tenth
+LEVERS = 3  # assumed: of a metre, a third of that, and a tenth, where tools sit; those that suit nothing share the odds
 # rounding: norm of a column, whitened instant by instant, on a course on which it never acts
 INVISIBLE = 1e-6
 

@@ -121,20 +121,16 @@ def test_the_folder_of_a_diagnosis_stands_for_the_robot_that_it_handed_over(
     assert capsys.readouterr().out.startswith("Nothing changed")
 
 
-@pytest.mark.parametrize("is_diagnosed", [True, False])
-def test_a_comparison_that_had_to_diagnose_says_so(
-    campaigns: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], is_diagnosed: bool
+def test_where_the_robot_as_it_was_comes_from_is_handed_on(
+    campaigns: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Only a line of progress said it, and each comparison with the same recordings took the minutes again."""
-
     def begun(*given: object, **how: object) -> AsItWas:
-        return AsItWas(compile_robot(load_robot("hh150")), is_diagnosed)
+        return AsItWas(compile_robot(load_robot("hh150")), "diagnosed")
 
     monkeypatch.setattr("bench.compare.as_it_was.as_it_was", begun)
     folders = [str(campaigns / name) for name in ("may", "june")]
-    assert main(["compare", *folders, "--no-store", "--cores", "1"]) in (0, CHANGED)
-    said = "To compare with may again, bench diagnose it once, and give --robot the folder of that."
-    assert (said in capsys.readouterr().out) == is_diagnosed
+    assert main(["compare", *folders, "-o", str(tmp_path / "out"), "--no-store", "--cores", "1"]) in (0, CHANGED)
+    assert json.loads((tmp_path / "out/compare.json").read_text())["robot"] == "diagnosed"
 
 
 @pytest.mark.parametrize("is_handed_over", [True, False])

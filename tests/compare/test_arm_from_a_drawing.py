@@ -177,7 +177,7 @@ def test_where_what_drawings_leave_out_does_not_do_the_robot_is_what_a_diagnosis
     monkeypatch.setattr(as_it_was_module, "diagnose", diagnosed)
     monkeypatch.setattr(as_it_was_module, "_with_what_is_left_out", left_over)
     held = as_it_was(before, arm, tmp_path, effects)
-    assert held.is_diagnosed
+    assert held.origin == "diagnosed"
     assert asked == [(before, arm, effects)]
     sigma = {one.name: one.sigma for one in linearised(before, arm).nuisances}
     for name in ("l1", "l2"):

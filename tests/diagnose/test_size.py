@@ -145,3 +145,5 @@ def test_the_evidence_for_sizes_is_the_ratio_of_normal_densities(rng: np.random.
     with_sizes, without = np.eye(5) + slopes @ prior @ slopes.T, np.eye(5)
     expected = multivariate_normal(cov=with_sizes).logpdf(white) - multivariate_normal(cov=without).logpdf(white)
     assert evidence_of(cause, fit) == pytest.approx(expected)
+    unknown = replace(fit, covariance=np.diag([covariance[0, 0], 0.0]))
+    assert evidence_of(cause, unknown) == np.inf, "a size without an error is not told by derivatives"

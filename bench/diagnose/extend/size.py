@@ -72,9 +72,12 @@ def evidence_of(cause: Cause, fit: Fit) -> float:
     """Return the log evidence that a fit loses without a cause, as its derivatives have it, all else fitted again.
 
     In a linear model with normal priors that is x' C^-1 x / 2 + log det C / 2 - sum log s, with sizes x of the cause,
-    their covariance C, and standard deviations s of their priors (the ratio of Savage and Dickey). Shapes are held.
+    their covariance C, and standard deviations s of their priors (the ratio of Savage and Dickey). Shapes are held. It
+    is inf where a size has no error: derivatives do not tell it then.
     """
-    off, covariance = fit.sizes_against_none(cause)
+    _, covariance = fit.sizes_against_none(cause)
+    if np.any(np.diag(covariance) <= 0):
+        return float("inf")
     deviations = np.array([fit.unknowns[i].sigma for i in fit.where(cause)])
     _, determinant = np.linalg.slogdet(covariance)
-    return 0.5 * float(off @ np.linalg.solve(covariance, off) + determinant) - float(np.sum(np.log(deviations)))
+    return 0.5 * float(wald(cause, fit)[0] + determinant) - float(np.sum(np.log(deviations)))

@@ -4,6 +4,8 @@ from collections.abc import Hashable, Sequence
 from dataclasses import replace
 from functools import partial
 
+import numpy as np
+
 from bench.diagnose.cross_validation.held_out import held_out
 from bench.diagnose.cross_validation.jackknife import with_jackknife
 from bench.diagnose.extend.fit import Fit, fit_without
@@ -94,10 +96,11 @@ def _fit_without(linear: LinearisedModel, model: Model, cause: Cause, progress: 
     try:
         is_plain = wald(cause, fit)[0] / 2 > PLAIN
         without = refit_without(renews=not is_plain)
-        if is_plain and fit.log_evidence - without.log_evidence > DECIDED:
-            evidence = fit.log_evidence - evidence_of(cause, fit)
-            return replace(fit_without(design, fit, cause), log_evidence=evidence, is_settled=False).with_causes(())
-        if is_plain:
+        lost = evidence_of(cause, fit) if is_plain else np.inf
+        if np.isfinite(lost) and fit.log_evidence - without.log_evidence > DECIDED:
+            told = replace(fit_without(design, fit, cause), log_evidence=fit.log_evidence - lost, is_settled=False)
+            return told.with_causes(())
+        if is_plain and fit.log_evidence - without.log_evidence <= DECIDED:
             without = refit_without(renews=True)
         if not without.is_settled and fit.log_evidence - without.log_evidence <= DECIDED:
             without = refitted(design, without, progress)

@@ -140,7 +140,7 @@ def _beside(
     whole = completed(picture, by=np.isin(run_of, others), zeros=True)
     left = np.nan_to_num(beyond(whole))
     squares = np.stack([np.bincount(run_of, square) for square in (left**2).T], axis=1)
-    far = np.sqrt(squares / np.maximum(np.bincount(run_of), 1)[:, None])
+    far = np.sqrt(squares / np.bincount(run_of)[:, None])
     here, most = far[run], np.max(far[list(others)], axis=0)
     past = np.where(here > 0, np.inf, 0.0)  # of others that friction at rest explains altogether
     return whole.of(run_of == run), np.divide(here, most, out=past, where=most > 0)

@@ -11,6 +11,7 @@ from bench.compare.comparison import (
     ChangedSize,
     Comparison,
     Component,
+    Explanation,
     Interval,
     PossibleName,
     UnlistedChange,
@@ -41,6 +42,11 @@ def together(names: Sequence[PossibleName | Change]) -> list[str]:
         else title_of(same[0].title, same[0].place)
         for title, same in places.items()
     ]
+
+
+def explanation_name(explanation: Explanation) -> str:
+    """Return what changed together; the same at several places is named once."""
+    return " with ".join(together(explanation.changes))
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from bench.report.comparison.names import (
     along_words,
     change_name,
     course_words,
+    explanation_name,
     interval_words,
     limit_words,
     names_told,
@@ -21,6 +22,7 @@ from bench.report.comparison.names import (
 from bench.report.comparison.words import (
     NONLINEAR,
     basis_sentence,
+    diagnosed_sentence,
     drift_sentences,
     headline,
     left_before_sentence,
@@ -37,6 +39,7 @@ FILTERS: Filters = {
     "channel": channel_name,
     "along_words": along_words,
     "change_name": change_name,
+    "explanation_name": explanation_name,
     "size_text": size_text,
 }
 WIDTH, HEIGHT, EDGE = 160.0, 34.0, 4.0  # [px], of the small charts
@@ -96,6 +99,7 @@ def page_of(comparison: Comparison, robot: str, command: str) -> str:
         headline=headline(comparison),
         unfinished=unfinished_sentence(comparison),
         left_before=left_before_sentence(comparison),
+        diagnosed=diagnosed_sentence(comparison),
         basis=basis_sentence(comparison),
         findings=[names_told(finding, comparison) for finding in comparison.findings],
         drifts=tuple(drift_sentences(comparison)),

@@ -12,6 +12,7 @@ from bench.report.comparison.names import (
     course_words,
     drift_text,
     expected_text,
+    explanation_name,
     interval_text,
     limit_words,
     names_told,
@@ -57,12 +58,12 @@ def left_before_sentence(comparison: Comparison) -> str:
     if not comparison.left_before:
         return ""
     worst, *others = comparison.left_before
-    before = listed([one.name for one in comparison.recordings if not one.is_after], "and")
+    before = _before(comparison)
     more = f", and other channels of it too ({len(comparison.left_before)} in all)" if others else ""
     remedy = (
         "that robot is of a diagnosis, so see what bench diagnose leaves of that channel, and state more noise for it "
         "(instruments in figures.yaml) if it scatters more than is stated"
-        if comparison.is_diagnosed
+        if comparison.robot != "fitted"
         else f"diagnose {before} first (bench diagnose) and compare with --robot and the folder of that diagnosis, or "
         "state in the folder of the robot what it lacks (a spring, a load, friction)"
     )
@@ -72,12 +73,19 @@ def left_before_sentence(comparison: Comparison) -> str:
     )
 
 
-def diagnosed_sentence(before: str) -> str:
-    """Return that the robot as it was has been diagnosed for a comparison, and how that is made once for all."""
+def diagnosed_sentence(comparison: Comparison) -> str:
+    """Return that the robot as it was had to be diagnosed, and how that is made once for all; "" where it had not."""
+    if comparison.robot != "diagnosed":
+        return ""
+    before = _before(comparison)
     return (
         f"The robot as it was is what a diagnosis of {before} found, for figures, friction and payload left more than "
         f"twice the noise. To compare with {before} again, bench diagnose it once, and give --robot the folder of that."
     )
+
+
+def _before(comparison: Comparison) -> str:
+    return listed([one.name for one in comparison.recordings if not one.is_after], "and")
 
 
 def _headline(comparison: Comparison) -> str:
@@ -139,13 +147,14 @@ def words_of(comparison: Comparison) -> Iterator[str]:
         yield unfinished_sentence(comparison)
     if comparison.left_before:
         yield left_before_sentence(comparison)
+    if comparison.robot == "diagnosed":
+        yield diagnosed_sentence(comparison)
     yield basis_sentence(comparison)
     if len(comparison.explanations) > 1:  # else the only one has them all
         yield from findings_sentences(comparison)
     yield from drift_sentences(comparison)
     for explanation in comparison.explanations[:MOST_TOLD]:
-        names = " with ".join(together(explanation.changes))
-        yield f"{capital(names)}: probability {percent(explanation.probability)}"
+        yield f"{capital(explanation_name(explanation))}: probability {percent(explanation.probability)}"
         several = len(explanation.changes) > 1
         for change in explanation.changes:
             if several:

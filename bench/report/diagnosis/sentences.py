@@ -208,7 +208,10 @@ def step_text(step: Step) -> str:
     added = " with ".join(cause_name(cause) for cause in step.added)
     evidence, worth = (nats(value, sign=True, tenths=False) for value in (step.log_evidence, step.held_out))
     low, high = (nats(value, tenths=False) for value in (step.low, step.high))
-    more = (step_left(step, MOST_CHANNELS), unconfirmed_text(step), confirmed_text(step))
+    left = step_left(step, MOST_CHANNELS)
+    if left:
+        left = f"{WITHOUT_AND_WITH}{', ' if step.of_recording else ': '}{left}"
+    more = (left, unconfirmed_text(step), confirmed_text(step))
     return "; ".join(filter(None, (f"{added}: {evidence}, held out {worth} ({low} to {high})", *more)))
 
 
@@ -255,9 +258,9 @@ def step_left(step: Step, most: int | None = None) -> str:
     for gain in told:
         before, after = shown((gain.before, gain.after), gain.unit, gain.floor or gain.after)
         texts.append(f"{channel_name(gain.channel)} {before} -> {after} {unit_name(gain.unit)}".rstrip())
-    where = f", in recording {step.of_recording}" if step.of_recording else ""
+    where = f"in recording {step.of_recording}: " if step.of_recording else ""
     more = f", {len(gains) - len(told)} more" if len(gains) > len(told) else ""
-    return f"{WITHOUT_AND_WITH}{where}: {', '.join(texts)}{more}" if texts else ""
+    return f"{where}{', '.join(texts)}{more}" if texts else ""
 
 
 def proposal_text(proposal: Proposal) -> str:

@@ -99,7 +99,7 @@ def test_a_robot_that_is_far_from_what_was_recorded_before_is_said_near_the_top(
     page = page_of(far, "HH-150", "")
     assert said in page
     assert page.index(said) < page.index("In full")
-    told = list(words_of(replace(far, is_diagnosed=True)))[1]
+    told = list(words_of(replace(far, robot="handed over")))[1]
     assert "compare with --robot" not in told, "that was done already"
     assert "that robot is of a diagnosis" in told
     assert far.as_json()["left_before"][0] == {"column": "current_2_a", "times": 26.4}
@@ -148,6 +148,16 @@ def test_one_explanation_of_many_changes_is_told_once() -> None:
     assert "Friction (joints 0, 1, 2): probability 99 %" in lines
     assert not [line for line in lines if line.startswith("Change ")]
     assert sum("+1.24 %" in line for line in lines) == len(of_joints)
+    assert "<h3>Friction (joints 0, 1, 2) <small>" in page_of(alone, "HH-150", "")
+
+
+def test_a_comparison_that_had_to_diagnose_says_so() -> None:
+    """Only a line of progress said it, and each comparison with the same recordings took the minutes again."""
+    said = "To compare with may again, bench diagnose it once, and give --robot the folder of that."
+    for origin in ("fitted", "diagnosed", "handed over"):
+        told = replace(ONE, robot=origin)
+        assert any(said in line for line in words_of(told)) == (origin == "diagnosed")
+        assert (said in page_of(told, "HH-150", "")) == (origin == "diagnosed")
 
 
 def test_a_page_begins_with_each_change_how_large_and_since_when() -> None:
