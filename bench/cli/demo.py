@@ -28,7 +28,6 @@ class Demo:
         from bench.executor.local import on_cores
         from bench.hide.write import CAMPAIGN, write_hidden
         from bench.record.folder import new_folder
-        from bench.report.diagnosis.words import words_of
         from bench.report.diagnosis.write import write_diagnosis
         from bench.study.demo import hide_and_seek, judgement
 
@@ -39,10 +38,8 @@ class Demo:
             write_hidden(demo.hidden, folder)
             (folder / "diagnosis").mkdir()
             sentences = write_diagnosis(demo.diagnosis, folder / "diagnosis")
-        for line in words_of(demo.diagnosis.verdict):
+        for line in sentences:
             print(line)
-        for sentence in sentences:
-            print(sentence)
         for one in demo.made.effects:
             print(f"\nHidden: {one.acting} ({one.size / one.limit:.0f} times what this session can just see)")
         print(judgement(demo.outcome))

@@ -68,7 +68,7 @@ class Diagnose:
         from bench.record.folder import new_folder
         from bench.report.diagnosis.baseline import changed_lines, first_lines
         from bench.report.diagnosis.file_names import VERDICT
-        from bench.report.diagnosis.words import places_of, words_of
+        from bench.report.diagnosis.words import places_of
         from bench.report.diagnosis.write import write_diagnosis, write_unweighed
         from bench.report.handover.given_words import given_sentence
         from bench.report.joint_campaign import open_joint
@@ -97,7 +97,8 @@ class Diagnose:
                 phase("first pass by least squares")
                 stop.check()
                 look = first_look(campaign, compiled)
-                for line in (*first_lines(look), *changed_lines(changed_friction(campaign, compiled))):
+                first = (*first_lines(look), *changed_lines(changed_friction(campaign, compiled)))
+                for line in (*first, "") if first else ():
                     print(line, flush=True)
                 store = open_store() if self.store else None
                 found = diagnose(
@@ -116,13 +117,9 @@ class Diagnose:
                 sentences = write_diagnosis(found, folder, campaign, self.command)
             except Stopped as stopped:
                 verdict = unweighed(FALSE_ALARM_RATE, str(stopped), during)
-                write_unweighed(verdict, folder, campaign, compiled.robot.figures.title, self.command)
-        for line in words_of(verdict):
+                sentences = write_unweighed(verdict, folder, campaign, compiled.robot.figures.title, self.command)
+        for line in (*sentences, *filter(None, (taken,))):
             print(line)
-        if taken:
-            print(taken)
-        for sentence in sentences:
-            print(sentence)
         for line in places_of(self.out):
             print(line)
         return UNFINISHED if verdict.unfinished else 0

@@ -15,7 +15,7 @@ import pytest
 from bench.cli import TERMINATED, main
 from bench.cli.stopping import UNFINISHED, TerminatedError, ending_at_a_signal, seconds_of
 from bench.errors import interrupt_behind
-from bench.report.diagnosis.file_names import REPORT, VERDICT
+from bench.report.diagnosis.file_names import REPORT, TEXT, VERDICT
 
 STARTED_S = 60.0  # within which a run is under way on a busy machine
 
@@ -96,8 +96,8 @@ def test_time_that_is_over_at_once_gives_a_verdict_all_the_same(
     assert first.startswith("Unfinished (ended after 0.001 s, during: ")
     assert first.endswith("nothing was weighed yet, so nothing is known of any cause.")
     assert "was not looked for" in second
-    assert [place.split()[0] for place in places] == ["report", "numbers"]
-    assert sorted(entry.name for entry in out.iterdir()) == [REPORT, VERDICT]
+    assert [place.split()[0] for place in places] == ["report", "words", "numbers"]
+    assert sorted(entry.name for entry in out.iterdir()) == [REPORT, VERDICT, TEXT]
     assert json.loads((out / VERDICT).read_text())["kind"] == "nothing weighed"
     assert "What would have been found" not in (out / REPORT).read_text()
 

@@ -1,13 +1,14 @@
-"""A verdict in words for the terminal."""
+"""A verdict in words: all of it for `verdict.txt`, and what decides for the terminal."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from bench.diagnose.verdict import AmbiguityGroup, Verdict
 from bench.report.diagnosis.baseline import baseline_lines
 from bench.report.diagnosis.blind import blind_sentences, missing_sentences, without_balance
 from bench.report.diagnosis.changed import changed_lines
-from bench.report.diagnosis.file_names import DIFFERENCE, FIGURES, RECORDING, REPORT, ROBOT, VERDICT
+from bench.report.diagnosis.file_names import DIFFERENCE, FIGURES, RECORDING, REPORT, ROBOT, TEXT, VERDICT
 from bench.report.diagnosis.headline import headline
 from bench.report.diagnosis.names import (
     PART_OF_UNLISTED,
@@ -25,6 +26,7 @@ from bench.report.diagnosis.names import (
 from bench.report.diagnosis.numbers import percent
 from bench.report.diagnosis.sentences import (
     FLOOR,
+    WITHOUT_AND_WITH,
     contradicted_sentences,
     gain_sentence,
     gain_text,
@@ -37,6 +39,7 @@ from bench.report.diagnosis.sentences import (
     remainder_sentence,
     rest_sentence,
     scatter_sentence,
+    step_left,
     step_text,
     steps_sentence,
     unconfirmed_text,
@@ -49,16 +52,89 @@ BEST_CHANNELS = 4
 BEST_PROPOSALS = 2
 BEST_LIMITS = 5
 BEST_RIVALS = 3
+MOST_MOVED = 5  # figures that moved, on the terminal
+FOUND = "What was found, with 95 % intervals"
 
 
-def words_of(verdict: Verdict) -> Iterator[str]:
-    """Yield the lines of a verdict for the terminal: what it is, what it is worth, what to do next."""
+@dataclass(frozen=True)
+class Section:
+    """Lines of a verdict that belong together.
+
+    Attributes:
+        title: What they are about, as a heading.
+        lines: All of them, for `verdict.txt`.
+        brief: Those for the terminal.
+    """
+
+    title: str
+    lines: tuple[str, ...]
+    brief: tuple[str, ...] = ()
+
+
+def words_of(verdict: Verdict, moved: Sequence[str] = ()) -> Iterator[str]:
+    """Yield the lines of a verdict, all that it says: what it is, what it is worth, what to do next.
+
+    Args:
+        verdict: The verdict.
+        moved: A sentence for each stated figure that was found further away than its uncertainty explains.
+    """
+    yield from _first_of_all(verdict)
+    for section in _sections(verdict, moved):
+        yield from ("", section.title, *section.lines)
+
+
+def brief_words(verdict: Verdict, moved: Sequence[str] = ()) -> Iterator[str]:
+    """Yield the lines of a verdict for the terminal: what decides, and what else stands in `verdict.txt`.
+
+    Args:
+        verdict: The verdict.
+        moved: A sentence for each stated figure that was found further away than its uncertainty explains.
+    """
+    yield from _first_of_all(verdict)
+    sections = tuple(_sections(verdict, moved))
+    for section in sections:
+        if section.brief:
+            yield from ("", section.title, *section.brief)
+    more = [section.title for section in sections if not set(section.lines) <= set(section.brief)]
+    if more:
+        yield from ("", f"More in {TEXT} and on the page: {'; '.join(title[0].lower() + title[1:] for title in more)}.")
+
+
+def _first_of_all(verdict: Verdict) -> Iterator[str]:
+    """Yield the headline, and what it is not to be read without."""
     yield headline(verdict)
     if verdict.unfinished:
         yield unfinished_sentence(verdict)
     yield from contradicted_sentences(verdict)
-    for group in verdict.findings:
+
+
+def _sections(verdict: Verdict, moved: Sequence[str]) -> Iterator[Section]:
+    """Yield the sections of a verdict that have lines."""
+    found = tuple(_found(verdict, {}))
+    sections = (
+        Section(FOUND, found, tuple(_found(verdict, _worths(verdict)))),
+        Section("What each finding is worth", tuple(_selection(verdict))),
+        Section("What all of it is worth", tuple(_gain(verdict)), tuple(filter(None, (gain_sentence(verdict),)))),
+        Section("Beside least squares", *2 * (tuple(baseline_lines(verdict)),)),
+        Section("What is left, and what is promised of the next recording", tuple(_predicted(verdict))),
+        Section("Figures that moved", tuple(moved), _first(moved, MOST_MOVED)),
+        Section("What to do next", *2 * (tuple(_next(verdict)),)),
+        Section("What these data cannot show", tuple(_not_shown(verdict))),
+    )
+    return (section for section in sections if section.lines)
+
+
+def _found(verdict: Verdict, worths: Mapping[int, str]) -> Iterator[str]:
+    """Yield what was found, and how sure it is.
+
+    Args:
+        verdict: The verdict.
+        worths: Of findings, by their number, from 0: what each is worth, in a line.
+    """
+    for i, group in enumerate(verdict.findings):
         yield from _finding(group)
+        if i in worths:
+            yield f"{'':13}{worths[i]}"
     for explanation in verdict.other_explanations:
         name = name_beside(explanation, verdict.explanations[0])
         yield f"{percent(explanation.fitted_probability):>9}  altogether: {name}"
@@ -73,26 +149,22 @@ def words_of(verdict: Verdict) -> Iterator[str]:
     if verdict.kind == "nothing found":
         yield rate_sentence(verdict)
         yield from _limits(verdict)
-    if verdict.rivals and not verdict.unlisted:
-        ruled_out = "; ".join(name_beside(rival, verdict.explanations[0]) for rival in verdict.rivals[:BEST_RIVALS])
-        others = len(verdict.rivals) - BEST_RIVALS
-        yield f"Fitted, and ruled out: {ruled_out}{f'; {others} more (rivals in {VERDICT})' if others > 0 else ''}."
-    yield from _selection(verdict)
-    yield from _gain(verdict)
-    yield from baseline_lines(verdict)
-    yield from _predicted(verdict)
-    for step in verdict.steps:
-        if not step.accepted:
-            yield refused_text(step)
-    for proposal in verdict.next[:BEST_PROPOSALS]:
-        yield f"Next: {proposal.experiment}"
-        yield f"      {proposal_text(proposal)}"
     if scatter := scatter_sentence(verdict):
         yield scatter
-    yield from missing_sentences(verdict)
-    yield from blind_sentences(verdict)
-    for cause in without_balance(verdict):
-        yield f"Not looked for: {cause}, whose model found no balance."
+
+
+def _worths(verdict: Verdict) -> dict[int, str]:
+    """Return what findings are worth, where several were held out one by one: number of a finding -> a line."""
+    taken = [step for step in verdict.steps if step.accepted]
+    if len(taken) < 2:
+        return {}
+    found = {}
+    for i, group in enumerate(verdict.findings):
+        causes = {(one.cause.effect, one.cause.place) for one in group.names}
+        mine = [step for step in taken if causes & {(cause.effect, cause.place) for cause in step.added}]
+        if mine and (left := step_left(mine[0], 1)):
+            found[i] = f"{WITHOUT_AND_WITH}{', ' if mine[0].of_recording else ': '}{left}"
+    return found
 
 
 def _finding(group: AmbiguityGroup) -> Iterator[str]:
@@ -121,6 +193,13 @@ def _selection(verdict: Verdict) -> Iterator[str]:
             yield given_up
     elif taken and (why := unconfirmed_text(taken[0])):
         yield f"{capital(why)}."
+    if verdict.rivals and not verdict.unlisted:
+        ruled_out = "; ".join(name_beside(rival, verdict.explanations[0]) for rival in verdict.rivals[:BEST_RIVALS])
+        others = len(verdict.rivals) - BEST_RIVALS
+        yield f"Fitted, and ruled out: {ruled_out}{f'; {others} more (rivals in {VERDICT})' if others > 0 else ''}."
+    for step in verdict.steps:
+        if not step.accepted:
+            yield refused_text(step)
 
 
 def _gain(verdict: Verdict) -> Iterator[str]:
@@ -146,6 +225,25 @@ def _predicted(verdict: Verdict) -> Iterator[str]:
         yield words
 
 
+def _next(verdict: Verdict) -> Iterator[str]:
+    for proposal in verdict.next[:BEST_PROPOSALS]:
+        yield f"Next: {proposal.experiment}"
+        yield f"      {proposal_text(proposal)}"
+
+
+def _not_shown(verdict: Verdict) -> Iterator[str]:
+    yield from missing_sentences(verdict)
+    yield from blind_sentences(verdict)
+    for cause in without_balance(verdict):
+        yield f"Not looked for: {cause}, whose model found no balance."
+
+
+def _first(lines: Sequence[str], most: int) -> tuple[str, ...]:
+    """Return the first lines, and how many more there are."""
+    more = len(lines) - most
+    return (*lines[:most], *([f"{more} more"] if more > 0 else []))
+
+
 def _limits(verdict: Verdict) -> Iterator[str]:
     shown = [limit for limit in verdict.detectable if limit.is_plausible]
     if shown:
@@ -163,6 +261,7 @@ def places_of(folder: Path) -> Iterator[str]:
     yield f"report     {folder / REPORT}"
     if (folder / RECORDING).is_file():
         yield f"recording  {folder / RECORDING}   (bench view {folder})"
+    yield f"words      {folder / TEXT}"
     yield f"numbers    {folder / VERDICT}"
     if (folder / ROBOT).is_dir():
         yield f"robot      {folder / ROBOT}   (its change: {DIFFERENCE}; all that was fitted: {FIGURES})"

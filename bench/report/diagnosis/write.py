@@ -1,7 +1,8 @@
-"""The files of a diagnosis: verdict.json, report.html, diagnosis.rrd, and the robot as fitted with its difference."""
+"""The files of a diagnosis: the verdict as JSON, words, page and recording, and the robot as fitted."""
 
 import json
 import shutil
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from bench.report.diagnosis.file_names import (
     RECORDING,
     REPORT,
     ROBOT,
+    TEXT,
     VERDICT,
     WORDS,
 )
@@ -29,6 +31,7 @@ from bench.report.diagnosis.page import Pictures, page_of
 from bench.report.diagnosis.pictures import learned_picture, pictures_of
 from bench.report.diagnosis.readings import readings_of
 from bench.report.diagnosis.recording import write_diagnosis_recording
+from bench.report.diagnosis.words import brief_words, words_of
 from bench.report.handover.figures_table import csv_of, moved_sentences
 from bench.report.handover.posterior_file import write_posterior
 from bench.report.handover.robot_folder import README, Handed, hand_over
@@ -54,8 +57,8 @@ def write_diagnosis(
         command: That made the diagnosis, for the report.
 
     Returns:
-        What to print of it: a sentence for each stated figure that was found further away than its uncertainty
-        explains, and one where there is no recording because Rerun's library cannot be loaded.
+        What to print of it: the verdict in short, and a sentence where there is no recording because Rerun's library
+        cannot be loaded.
 
     Raises:
         InputError: The recording cannot be written.
@@ -67,16 +70,16 @@ def write_diagnosis(
     handed = _handed(diagnosis, fit, folder)
     figures = fitted_figures(diagnosis.linear, fit)
     moved = tuple(moved_sentences(figures))
-    sentences = [f"Moved: {sentence}" for sentence in moved]
     _write(folder / FIGURES, csv_of(figures))
     handed_over = {"disagreement": handed.disagreement, "missing": handed.missing}
     content = diagnosis.verdict.as_json() | facts.as_json()
     content |= {"figures": [asdict(figure) for figure in figures], "handed_over": handed_over}
     _write(folder / VERDICT, json.dumps(to_jsonable(content), indent=2) + "\n")
+    sentences = _say(diagnosis.verdict, folder, moved)
     try:
         write_diagnosis_recording(folder / RECORDING, diagnosis, readings)
     except NoLibraryError as error:  # all else that took minutes is worth having without it
-        sentences.append(str(error))
+        sentences = (*sentences, str(error))
     learned = learned_of(diagnosis.naming, diagnosis.discrepancy)
     pictures = Pictures(
         worst=pictures_of(readings),
@@ -85,7 +88,13 @@ def write_diagnosis(
     )
     made = {name: words for name, words in WORDS.items() if (folder / name).exists()}
     _write(folder / REPORT, page_of(diagnosis.verdict, facts, pictures, made, handed.difference, moved))
-    return tuple(sentences)
+    return sentences
+
+
+def _say(verdict: Verdict, folder: Path, moved: Sequence[str] = ()) -> tuple[str, ...]:
+    """Write all that a verdict says, and return what to print of it."""
+    _write(folder / TEXT, "\n".join(words_of(verdict, moved)) + "\n")
+    return tuple(brief_words(verdict, moved))
 
 
 def _handed(diagnosis: Diagnosis, fit: Fit, folder: Path) -> Handed:
@@ -108,7 +117,9 @@ def _handed(diagnosis: Diagnosis, fit: Fit, folder: Path) -> Handed:
     return handed
 
 
-def write_unweighed(verdict: Verdict, folder: Path, campaign: Campaign, robot: str, command: str = "") -> None:
+def write_unweighed(
+    verdict: Verdict, folder: Path, campaign: Campaign, robot: str, command: str = ""
+) -> tuple[str, ...]:
     """Write verdict and report of a diagnosis that ended before anything was weighed, into an existing folder.
 
     Args:
@@ -117,10 +128,16 @@ def write_unweighed(verdict: Verdict, folder: Path, campaign: Campaign, robot: s
         campaign: That was to be diagnosed.
         robot: Title of its robot.
         command: That was to do it, for the report.
+
+    Returns:
+        What to print of it.
     """
     facts = facts_without(campaign, robot, command)
     _write(folder / VERDICT, json.dumps(to_jsonable(verdict.as_json() | facts.as_json()), indent=2) + "\n")
-    _write(folder / REPORT, page_of(verdict, facts, Pictures(()), {VERDICT: WORDS[VERDICT]}, ""))
+    sentences = _say(verdict, folder)
+    made = {name: WORDS[name] for name in (VERDICT, TEXT)}
+    _write(folder / REPORT, page_of(verdict, facts, Pictures(()), made, ""))
+    return sentences
 
 
 def _write(path: Path, text: str) -> None:

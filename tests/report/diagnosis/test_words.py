@@ -27,7 +27,7 @@ from bench.report.diagnosis.sentences import (
     step_text,
     undetectable_sentence,
 )
-from bench.report.diagnosis.words import places_of, words_of
+from bench.report.diagnosis.words import MOST_MOVED, brief_words, places_of, words_of
 from tests.report.diagnosis.made import GAS, MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO, explanation
 
 
@@ -97,6 +97,30 @@ def test_a_climb_is_told_step_by_step() -> None:
     assert f"{worth}, in recording may: motor current 2 0.612 -> 0.081 A" in lines_of_one
     assert any("without it -> with it, all else fitted both times" in line for line in lines)
     assert "  mass of a link (upper arm): +7, held out +81 (60 to 103)" in lines
+
+
+def test_the_terminal_shows_what_each_finding_is_worth_beside_it() -> None:
+    first = VERDICTS["cause"].steps[0]
+    steps = (first, replace(first, added=(MASS,), log_evidence=7.0, channels=(NO_GAIN,)))
+    both = replace(VERDICTS["cause"], steps=steps)
+    lines = list(brief_words(both))
+    (at,) = (
+        i for i, line in enumerate(lines) if line.endswith("without it -> with it: motor current 2 0.612 -> 0.081 A")
+    )
+    assert lines[at - 1].lstrip().startswith("lost 0.133"), "below the size of the finding"
+    assert not any("held out +81" in line for line in lines)
+    assert not any(line.startswith(("Refused", "Not looked for")) for line in lines)
+    assert lines[-1].startswith("More in verdict.txt and on the page: what each finding is worth; ")
+    assert len(" ".join(lines).split()) < len(" ".join(words_of(both)).split())
+
+
+def test_the_terminal_shows_the_first_of_many_figures_that_moved() -> None:
+    moved = [f"stiffness of joint{i}: +50 %" for i in range(1, MOST_MOVED + 3)]
+    lines = list(brief_words(NOTHING, moved))
+    assert [line for line in lines if line in moved] == moved[:MOST_MOVED]
+    assert "2 more" in lines
+    assert [line for line in words_of(NOTHING, moved) if line in moved] == moved
+    assert "figures that moved" not in list(brief_words(NOTHING, moved[:2]))[-1]
 
 
 def test_one_cause_in_many_joints_is_named_once() -> None:

@@ -21,7 +21,7 @@ from bench.effects.effect import Acting
 from bench.errors import RobotError
 from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Campaign
-from bench.report.diagnosis.file_names import DIFFERENCE, FIGURES, NOMINAL_MJCF, RECORDING, REPORT, ROBOT, VERDICT
+from bench.report.diagnosis.file_names import DIFFERENCE, FIGURES, NOMINAL_MJCF, RECORDING, REPORT, ROBOT, TEXT, VERDICT
 from bench.report.diagnosis.readings import readings_of
 from bench.report.diagnosis.recording_clock import recording_clock_of
 from bench.report.diagnosis.words import places_of
@@ -91,12 +91,22 @@ def folder(
 
 def test_the_files_are_there(folder: Path) -> None:
     names = {path.name for path in folder.iterdir()}
-    assert names == {VERDICT, REPORT, RECORDING, ROBOT, NOMINAL_MJCF, DIFFERENCE, FIGURES}
+    assert names == {VERDICT, TEXT, REPORT, RECORDING, ROBOT, NOMINAL_MJCF, DIFFERENCE, FIGURES}
     content = json.loads((folder / VERDICT).read_text())
     assert content["handed_over"]["disagreement"] < AGREES
     assert content["handed_over"]["missing"] == []
     assert content["data"]["runs"][0]["name"]
     assert content["command"].startswith("bench diagnose")
+
+
+def test_all_words_are_kept_and_what_decides_is_printed(found: Diagnosis, tmp_path: Path) -> None:
+    printed = write_diagnosis(found, tmp_path)
+    kept = (tmp_path / TEXT).read_text().splitlines()
+    *lines, more = printed
+    assert more.startswith(f"More in {TEXT} and on the page: what ")
+    assert set(lines) < set(kept)
+    assert lines[0] == kept[0]
+    assert "What these data cannot show" in kept
 
 
 def test_what_is_no_robot_costs_nobody_the_verdict(
@@ -122,7 +132,7 @@ def test_a_library_that_cannot_be_loaded_costs_nobody_the_verdict(
 ) -> None:
     """Where memory was short for Rerun's library, a diagnosis that was done ended in a traceback and left nothing."""
     monkeypatch.setitem(sys.modules, "rerun.blueprint", None)  # an ImportError where it is loaded
-    (told,) = [line for line in write_diagnosis(found, tmp_path) if not line.startswith("Moved: ")]
+    *_, told = write_diagnosis(found, tmp_path)
     assert told.startswith("no Rerun recording is written: a library cannot be loaded: ")
     assert {VERDICT, REPORT, ROBOT} <= {path.name for path in tmp_path.iterdir()}
     assert not (tmp_path / RECORDING).exists()
