@@ -12,6 +12,7 @@ from bench.compare.noise import Repeatability, repeatability_of
 from bench.compare.shared import SharedWhitening, shared_whitening, undo_segments
 from bench.diagnose.linearise.candidates import Candidate
 from bench.diagnose.linearise.generic import Block
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.marginal import Nuisances
 from bench.diagnose.linearise.other_noise import raised, with_scatter
 from bench.diagnose.linearise.screening import Entry, Tried, tried_of
@@ -98,17 +99,59 @@ def _first(joint: Joint, cells: NDArray[np.intp]) -> Background:
     Each recording is fitted by itself with all that could be added to its model, so no change counts as noise.
     """
     known = Repeatability.of_instruments(len(joint.linear.quantities))
+    for _ in range(ROUNDS):
+        before = known
+        known = repeatability_of(joint.linear, *_left_of_each(joint), cells, before)
+        joint = replace(joint, linear=raised(joint.linear, np.sqrt(known.own / before.own)))
+        if _is_settled(before, known):
+            break
+    return assembled(joint, known, cells)
+
+
+def _left_of_each(joint: Joint) -> tuple[Array, Array]:
+    """Return what everything together leaves of each recording by itself, and the degrees of freedom of that.
+
+    Returns:
+        Shape (m,) each, whitened instant by instant.
+    """
     linear, of_row = joint.linear, joint.of_row
     discrepancy = _tried(joint.discrepancy())
     slopes = by_level(linear.jacobian, linear.nuisances, of_row, linear.scatter.new).matrix
-    left = np.empty(len(linear.white))
+    every = np.concatenate([slopes, discrepancy.columns.matrix * discrepancy.prior], axis=1)
+    left, free = np.empty(len(linear.white)), np.empty(len(linear.white))
+    plain, variance = every.copy(), _variances(linear)
+    undo_segments(linear, plain)
     for k in range(len(joint.recordings)):
         rows = of_row == k
-        every = np.concatenate([slopes[rows], discrepancy.columns.matrix[rows] * discrepancy.prior], axis=1)
-        left[rows] = linear.white[rows] - every @ Nuisances(every).most_probable(linear.white[rows])
+        fitted = Nuisances(every[rows])
+        left[rows] = linear.white[rows] - every[rows] @ fitted.most_probable(linear.white[rows])
+        free[rows] = _free(fitted, plain[rows], variance[rows])
     undo_segments(linear, left[:, None])
-    known = repeatability_of(linear, left, cells, known)
-    return _assembled(replace(joint, linear=raised(linear, np.sqrt(known.own))), known, cells)
+    return left, free
+
+
+def _free(fitted: Nuisances, slopes: Array, variance: Array) -> Array:
+    """Return the variance that a fit leaves readings of a right model, shape (m,): their degrees of freedom.
+
+    Args:
+        fitted: What was fitted.
+        slopes: Shape (m, p), to that, whitened instant by instant.
+        variance: Shape (m,), of these readings before the fit.
+    """
+    return np.maximum(variance - fitted.variances(slopes), 0.0)
+
+
+def _variances(linear: LinearisedModel) -> Array:
+    """Return the variances of readings that were whitened instant by instant, shape (m,): one, and what is common."""
+    return np.concatenate([1 + np.sum(one.common**2, axis=1) for one in linear.whitenings])
+
+
+def _is_settled(before: Repeatability, after: Repeatability) -> bool:
+    """Whether noise is as it was, as far as matters."""
+    return bool(
+        np.all(np.abs(np.log(after.own / before.own)) < ENOUGH)
+        and np.all(np.abs(after.shared - before.shared) < ENOUGH * after.own)
+    )
 
 
 def settled_background(background: Background, changes: Array) -> Background:
@@ -120,31 +163,31 @@ def settled_background(background: Background, changes: Array) -> Background:
     """
     for _ in range(ROUNDS):
         before = background.repeatability
-        after = repeatability_of(
-            background.joint.linear, _left(background, changes), background.cells, background.repeatability
-        )
+        after = repeatability_of(background.joint.linear, *_left(background, changes), background.cells, before)
         factors = after.own / before.own
-        if np.all(np.abs(np.log(factors)) < ENOUGH) and np.all(
-            np.abs(after.shared - before.shared) < ENOUGH * after.own
-        ):
+        if _is_settled(before, after):
             break
         linear = raised(background.joint.linear, np.sqrt(factors))
-        background = _assembled(replace(background.joint, linear=linear), after, background.cells)
+        background = assembled(replace(background.joint, linear=linear), after, background.cells)
         changes = changes / np.sqrt(factors)[linear.kind_of, linear.column_of][:, None]
     return background
 
 
-def _left(background: Background, changes: Array) -> Array:
-    """Return what the model leaves of the readings, shape (m,), whitened instant by instant."""
+def _left(background: Background, changes: Array) -> tuple[Array, Array]:
+    """Return what the model leaves of the readings, and the degrees of freedom of that, those of changes among them.
+
+    Returns:
+        Shape (m,) each, whitened instant by instant.
+    """
     known = background.nuisances
     white = background.whitening.of_instants(changes)
     found, k = known.products(background.white, white), white.shape[1]
     sizes = np.linalg.solve(found.information + np.eye(k), found.scores)
     rest = known.most_probable(background.white - white @ sizes)
     slopes = background.slopes.matrix
-    p = slopes.shape[1]
-    explained = slopes @ rest[:p] + background.discrepancy @ (background.discrepancy_prior * rest[p:])
-    return np.asarray(background.plain - explained - changes @ sizes, dtype=np.float64)
+    every = np.concatenate([slopes, background.discrepancy * background.discrepancy_prior], axis=1)
+    left = np.asarray(background.plain - every @ rest - changes @ sizes, dtype=np.float64)
+    return left, _free(known, every, _variances(background.joint.linear))
 
 
 def _tried(what: tuple[Candidate | Block, ...]) -> Tried:
@@ -161,7 +204,7 @@ def _tried(what: tuple[Candidate | Block, ...]) -> Tried:
     return tried_of(what)
 
 
-def _assembled(joint: Joint, repeatability: Repeatability, cells: NDArray[np.intp]) -> Background:
+def assembled(joint: Joint, repeatability: Repeatability, cells: NDArray[np.intp]) -> Background:
     """Return all recordings with standard errors that count what is new in each of them."""
     linear, tried = joint.linear, _tried(joint.tried())
     whitening = shared_whitening(linear, repeatability, cells)

@@ -147,9 +147,9 @@ def _tied(
         common = np.zeros((len(linear.white), sum(len(whitening.shrink) for _, whitening in mine)))
         start = 0
         for own, whitening in mine:
-            size = np.sqrt(1 / (1 - whitening.shrink) ** 2 - 1)
-            common[own, start : start + len(size)] = whitening.modes * size
-            start += len(size)
+            size = len(whitening.shrink)
+            common[own, start : start + size] = whitening.common
+            start += size
         if not start:
             continue
         found.append((rows, *modes_of((settled @ common)[rows])))

@@ -49,6 +49,19 @@ def with_ripple(campaign: Campaign) -> Campaign:
     return replace(campaign, runs=tuple(runs))
 
 
+def with_interplay(campaign: Campaign, share: float = 0.05) -> Campaign:
+    """Return the campaign with torques over all angles at once, a share of those that are there: in no catalogue."""
+    runs = []
+    for run in campaign.runs:
+        columns = dict(run.columns)
+        angle = 4 * columns["q_motor_1_rad"] + 3 * columns["q_motor_2_rad"] - 5 * columns["q_motor_3_rad"]
+        for j in range(3):
+            torque = columns[f"tau_motor_{j + 1}_nm"]
+            columns[f"tau_motor_{j + 1}_nm"] = torque + share * np.std(torque) * np.sin(angle + j)
+        runs.append(replace(run, columns=columns))
+    return replace(campaign, runs=tuple(runs))
+
+
 def with_balancer(campaign: Campaign) -> Campaign:
     """Return the campaign with a spring that carries a part of what hangs on the second joint; nobody stated it."""
     runs = []

@@ -1,11 +1,12 @@
 """Products on any course are those of whitened columns, and a course more is no pass more over the readings."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
-from bench.compare.background import Background, background_of
+from bench.compare.background import Background, assembled, background_of
 from bench.compare.courses import courses_of
 from bench.compare.joint import joint_of
 from bench.compare.profiles import Profile, profiles_of
@@ -21,20 +22,21 @@ from tests.diagnose.sweeps import LOADS, SWEEP, made, nominal
 FEW = {name: catalogue()[name] for name in ("gas_loss", "coulomb_level", "torque_constant")}
 AFTER = 3
 RATE = 0.01
-LARGE_MISS = 2.0  # of the Coulomb level that the model lacks: what repeats is many times the noise
+MISSED = 4.0  # variance of what the model misses each time, in those of the noise
 
 
 @cache
 def background(kind: str) -> Background:
     """Return four recordings: the same motion each time, or another one in the last but one."""
     session: Experiment = LOADS if kind == "loads" else SWEEP
-    wrong = {"coulomb_level": LARGE_MISS}
     sessions = [session, SWEEP if kind == "another motion" else session, session]
     if kind == "another motion":
         sessions[1] = SWEEP.model_copy(update={"speeds_deg_per_s": (30.0,)})
-    after = {f"day{k}": made(one, 2 + k, wrong, machine=3) for k, one in enumerate(sessions)}
-    recordings = recordings_of({"before": made(session, 1, wrong, machine=3)}, after)
-    return background_of(joint_of(recordings, nominal(), FEW, most_bins=40))
+    after = {f"day{k}": made(one, 2 + k, machine=3) for k, one in enumerate(sessions)}
+    recordings = recordings_of({"before": made(session, 1, machine=3)}, after)
+    own = background_of(joint_of(recordings, nominal(), FEW, most_bins=40))
+    missed = replace(own.repeatability, shared=np.full_like(own.repeatability.shared, MISSED))
+    return assembled(own.joint, missed, own.cells)
 
 
 def profiles(kind: str) -> tuple[Profile, ...]:

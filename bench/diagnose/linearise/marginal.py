@@ -247,6 +247,11 @@ class Nuisances:
         """Return the covariance of the sizes of all nuisances with weighted sums of them, shape (p, n) as weights."""
         return np.asarray(cho_solve((self._factor, True), weights), dtype=np.float64)
 
+    def variances(self, weights: Array) -> Array:
+        """Return the variances of weighted sums of the sizes of nuisances, shape (n,), for weights of shape (n, p)."""
+        reduced = self.reduced(weights.T)
+        return np.asarray(np.einsum("ij,ij->j", reduced, reduced), dtype=np.float64)
+
     def regression(self, known: Array, columns: Array) -> Array:
         """Return the coefficients of columns, shape (m, k), on known ones, shape (m, n): shape (n, k)."""
         reduced = [self.reduced(self.jacobian.T @ some) for some in (known, columns)]

@@ -107,6 +107,11 @@ class Whitening:
         return np.asarray(np.linalg.solve(self.factors, flat.reshape(length, c, -1)), dtype=np.float64)
 
     @property
+    def common(self) -> Array:
+        """Shape (m, r), C: values that were whitened instant by instant have the covariance I + C C'."""
+        return np.asarray(self.modes * np.sqrt(1 / (1 - self.shrink) ** 2 - 1), dtype=np.float64)
+
+    @property
     def log_determinants(self) -> Array:
         """Shape (m,); their sum is the logarithm of the map's determinant. What is common counts with equal shares."""
         diagonal = np.diagonal(self.factors, axis1=1, axis2=2).reshape(-1)[self.rows]
