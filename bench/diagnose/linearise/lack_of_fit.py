@@ -12,12 +12,11 @@ from scipy.linalg import cho_solve, solve_triangular
 
 from bench.diagnose.linearise.autocorrelation import alike
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.linearise.marginal import Columns
+from bench.diagnose.linearise.marginal import AT_A_TIME, Columns
 from bench.record.campaign import Array
 
 RIDGE = 1.0  # exact: the richest model keeps the priors of its columns
 SHARE_OF_MISSES = 0.5  # assumed: of what the present model misses, below which no standard error goes
-AT_A_TIME = 1024  # effort: readings whose leverage is found together: memory stays small
 # rounding: of a reading, that its own fit may take away; one that decides its own fit tells nothing of scatter
 MOST_LEVERAGE = 0.9
 FEW = 10  # declared: readings that say nothing of their own scatter

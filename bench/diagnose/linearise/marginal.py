@@ -19,6 +19,7 @@ from bench.record.campaign import Array
 
 Indices = NDArray[Any]
 JITTER = 1e-9  # rounding: of a diagonal, added to it
+AT_A_TIME = 1024  # effort: sums whose variances are found together: memory stays small
 
 
 class Columns:
@@ -249,8 +250,11 @@ class Nuisances:
 
     def variances(self, weights: Array) -> Array:
         """Return the variances of weighted sums of the sizes of nuisances, shape (n,), for weights of shape (n, p)."""
-        reduced = self.reduced(weights.T)
-        return np.asarray(np.einsum("ij,ij->j", reduced, reduced), dtype=np.float64)
+        found = np.empty(len(weights))
+        for start in range(0, len(weights), AT_A_TIME):
+            reduced = self.reduced(weights[start : start + AT_A_TIME].T)
+            found[start : start + AT_A_TIME] = np.einsum("ij,ij->j", reduced, reduced)
+        return found
 
     def regression(self, known: Array, columns: Array) -> Array:
         """Return the coefficients of columns, shape (m, k), on known ones, shape (m, n): shape (n, k)."""
