@@ -37,7 +37,7 @@ class FittedReadings(Strict):
     tracker_turn_rad: tuple[Turn, Turn, Turn] = ZERO
     tracker_drift_m_per_h: tuple[Away, Away, Away] = ZERO
     nest_m: dict[str, tuple[Near, Near, Near]] = Field(
-        {}, description="[m], where a reflector sits in its nest, by site"
+        {}, description="[m], where a reflector sits in its nest, by site, in the axes of its body"
     )
     force_gain: Gain = 0.0
     force_tilt_rad: tuple[Turn, Turn, Turn] = Field(ZERO, description="[rad], counts only where the load does not hang")

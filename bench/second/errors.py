@@ -20,7 +20,7 @@ class Errors:
         current_offset: Shape (n,) [A].
         force_gain: Relative.
         force_tilt: Shape (3,) [rad], of the sensor's axes against a slanting load.
-        placement: Shape (r, 3) [m], of reflectors in their nests.
+        placement: Shape (r, 3) [m], of reflectors in their nests, in the frame of the joint that carries them.
         drift_direction: Shape (3,), along which the tracker creeps; its length does not count.
         frame_rotation, frame_shift: Shape (3,) [rad] and [m], of the tracker's frame.
     """

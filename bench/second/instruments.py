@@ -8,6 +8,7 @@ from bench.robot.instruments import Instruments
 from bench.second.course import Course
 from bench.second.errors import Errors
 from bench.second.figures import Array, Figures
+from bench.second.kinematics import frames
 from bench.second.plant import HOUR, State
 
 Columns = dict[str, Array]
@@ -85,7 +86,10 @@ def columns_of(
             seen = np.where(slants, seen + np.cross(tilt, seen), seen) + draws.noise(sigma, seen.shape)
             found |= _along(name, unit, seen)
     if fitted.tracker:
-        found |= _reflectors(state.reflectors[rows], course.time[rows], figures, fitted, errors, draws)
+        axes = frames(figures, state.theta[rows]).axes
+        nests = [axes[:, spot.joint] @ at for spot, at in zip(figures.reflectors, errors.placement, strict=True)]
+        placed = state.reflectors[rows] + np.stack(nests, axis=1)
+        found |= _reflectors(placed, course.time[rows], figures, fitted, errors, draws)
     if fitted.pressure and figures.gas:
         seen = out.gauge.shows(state.pull[rows] / figures.gas.area, course.time[rows] / HOUR)
         found["gas_pressure_pa"] = draws.stepped(seen, fitted.pressure.resolution_pa)
@@ -97,9 +101,8 @@ def _reflectors(
 ) -> Columns:
     tracker, out = fitted.tracker, figures.readout
     assert tracker
-    seen = places + errors.placement
-    distance = np.linalg.norm(seen - np.array(tracker.position_m), axis=2, keepdims=True)
-    seen = seen + draws.noise(tracker.sigma_per_distance, seen.shape) * distance
+    distance = np.linalg.norm(places - np.array(tracker.position_m), axis=2, keepdims=True)
+    seen = places + draws.noise(tracker.sigma_per_distance, places.shape) * distance
     way = errors.drift_direction
     drift = out.creep + tracker.drift_m_per_h * way / (float(np.linalg.norm(way)) or 1.0)
     seen = (1 + out.scale) * seen + np.cross(out.turn + errors.frame_rotation, seen) + out.shift + errors.frame_shift

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from bench.record.units import HOUR
 from bench.robot.compiled import CompiledRobot
 from bench.robot.instruments import Instruments as InstrumentFigures
+from bench.robot.turned_sites import TurnedSites
 from bench.simulate.fitted_errors import fitted_errors
 from bench.simulate.trace import Trace
 
@@ -71,7 +72,8 @@ class SystematicErrors:
         force_tilt: Shape (3,) [rad], rotation vector of the measured against the true direction of a slanting load.
         frame_shift: Shape (3,) [m], tracker frame against base frame.
         frame_rotation: Shape (3,) [rad], rotation vector of the same.
-        placement: Shape (r, 3) [m], where a reflector sits in its nest against where it should.
+        placement: Shape (r, 3) [m], where a reflector sits in its nest against where it should, in the axes of the
+            body that carries it.
         drift_direction: Shape (3,), unit vector of the tracker's drift.
         frame_drift: Shape (3,) [m/h], drift of the tracker beside that.
         encoder_offset: Shape (n,) [rad].
@@ -110,6 +112,7 @@ class Instruments:
         self._rng = rng
         self._tails = tails
         self._torque_constant = compiled.torque_constant
+        self._sites = TurnedSites.reflectors_of(compiled)
         link_encoder = self.figures.link_encoder
         joints = [drive.joint for drive in compiled.robot.figures.drives]
         self._has_link_encoder = np.isin(joints, link_encoder.joints if link_encoder else ())
@@ -181,7 +184,8 @@ class Instruments:
             seen["force"] = np.where(slanting, wrench[:, :3] @ tilt.T, wrench[:, :3])
             seen["moment"] = np.where(slanting, wrench[:, 3:] @ tilt.T, wrench[:, 3:])
         if f.tracker:
-            turned = (trace.reflectors + errors.placement) @ small_rotation(errors.frame_rotation).T
+            placed = trace.reflectors + self._sites.moved(trace.theta, errors.placement)
+            turned = placed @ small_rotation(errors.frame_rotation).T
             rate = f.tracker.drift_m_per_h * errors.drift_direction + errors.frame_drift
             drift = trace.time[:, None, None] / HOUR * rate
             seen["reflectors"] = turned + errors.frame_shift + drift

@@ -23,6 +23,7 @@ from bench.record.units import HOUR
 from bench.robot.compiled import CompiledRobot
 from bench.robot.figures import Figures
 from bench.robot.fitted import NO_READINGS, FittedReadings, FittedWeights
+from bench.robot.turned_sites import TurnedSites
 from bench.simulate.instruments import Reading, is_slanting, small_rotation
 from bench.simulate.pulls import pulled
 
@@ -39,7 +40,8 @@ def fitted_world(compiled: CompiledRobot) -> World:
     figures, known = compiled.robot.figures, compiled.robot.figures.fitted
     deviations: dict[Nuisance, float] = {}
     if known.readings != NO_READINGS:
-        deviations[Nuisance("readings as fitted", "", 0.0, on_reading=lambda x, r: _shown(figures, r))] = 1.0
+        sites = TurnedSites.reflectors_of(compiled)
+        deviations[Nuisance("readings as fitted", "", 0.0, on_reading=lambda x, r: _shown(figures, sites, r))] = 1.0
     if known.weights.hung:
         deviations[Nuisance("weights that hang, as fitted", "", 0.0, scales_wrench=True)] = known.weights.hung
     if known.weights.bolted:
@@ -199,7 +201,7 @@ def _nest(site: str, axis: int) -> Put:
     return put
 
 
-def _shown(figures: Figures, reading: Reading) -> Reading:
+def _shown(figures: Figures, sites: TurnedSites, reading: Reading) -> Reading:
     """Return what instruments show that err as fitted, in the order in which a fit applies its deviations."""
     known = figures.fitted.readings
     joints = [drive.joint for drive in figures.drives]
@@ -215,7 +217,7 @@ def _shown(figures: Figures, reading: Reading) -> Reading:
         turn = small_rotation(known.tracker_turn_rad[i] * direction)
         drift = known.tracker_drift_m_per_h[i] / HOUR * reading.time[:, None, None]
         reflectors = (reflectors + known.tracker_shift_m[i] * direction) @ turn.T
-        reflectors = reflectors + (drift + nests[:, i, None]) * direction
+        reflectors = reflectors + drift * direction + sites.moved(reading.q_motor, nests * direction)
         tilt = small_rotation(known.force_tilt_rad[i] * direction).T
         force, moment = np.where(slanting, force @ tilt, force), np.where(slanting, moment @ tilt, moment)
     return replace(

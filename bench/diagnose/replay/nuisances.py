@@ -31,6 +31,7 @@ from bench.effects.geometry import JointZero
 from bench.effects.nominal import factor_of, nominal_parameters, presliding_parameters
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot, SpecEdit
+from bench.robot.turned_sites import TurnedSites
 from bench.simulate.pulls import pulled
 
 # assumed: [K], of a thermometer on the cylinder's wall, and of the temperature at which the figures hold
@@ -238,7 +239,7 @@ def _tracker(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> list[
     reflectors = sorted({quantity.index for quantity in quantities if quantity.kind == "reflector"})
     if tracker is None or not reflectors:
         return []
-    found, nests = [], tracker.placement_sigma_m
+    found, nests, sites = [], tracker.placement_sigma_m, TurnedSites.reflectors_of(compiled)
     for axis, name in enumerate("xyz"):
         along = np.eye(3)[axis]
         found += [
@@ -247,7 +248,7 @@ def _tracker(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> list[
             _error("frame_drift", f"tracker drift {name}", "m/h", tracker.drift_m_per_h, frame_drift(along)),
         ]
         found += [
-            _error("placement", f"nest of reflector {k + 1}, {name}", "m", nests, nest_shift(k, axis))
+            _error("placement", f"nest of reflector {k + 1}, {name}", "m", nests, nest_shift(k, axis, sites))
             for k in reflectors
         ]
     return found

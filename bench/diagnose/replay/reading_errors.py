@@ -7,6 +7,7 @@ import numpy as np
 
 from bench.record.campaign import Array
 from bench.record.units import HOUR
+from bench.robot.turned_sites import TurnedSites
 from bench.simulate.instruments import Reading, is_slanting, small_rotation
 
 OnReading = Callable[[float, Reading], Reading]
@@ -65,13 +66,19 @@ def frame_drift(direction: Array) -> OnReading:
     )
 
 
-def nest_shift(k: int, axis: int) -> OnReading:
-    """Return by how much the nest of reflector k is off along an axis [m]."""
+def nest_shift(k: int, axis: int, sites: TurnedSites) -> OnReading:
+    """Return by how much a reflector sits off in its nest [m], which turns with the body that carries it.
+
+    Args:
+        k: Reflector, from 0.
+        axis: Of that body, 0 to 2.
+        sites: Of all reflectors.
+    """
+    along = np.zeros((len(sites.chains), 3))
+    along[k, axis] = 1.0
 
     def change(x: float, reading: Reading) -> Reading:
-        reflectors = reading.reflectors.copy()
-        reflectors[:, k, axis] += x
-        return replace(reading, reflectors=reflectors)
+        return replace(reading, reflectors=reading.reflectors + x * sites.moved(reading.q_motor, along))
 
     return change
 
