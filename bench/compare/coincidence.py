@@ -6,11 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from bench.diagnose.replay.alike import ALIKE, passes_same
+from bench.diagnose.replay.alike import passes_same, states_of
 from bench.diagnose.replay.instants import at_each_instant, instants_of
 from bench.diagnose.replay.segments import Segment
-from bench.record.campaign import Array
-from bench.record.moving import TRAVELS
 
 
 def cells_of(segments: Sequence[Segment], recording: NDArray[np.intp]) -> NDArray[np.intp]:
@@ -23,7 +21,7 @@ def cells_of(segments: Sequence[Segment], recording: NDArray[np.intp]) -> NDArra
         segments: Of all recordings.
         recording: Shape (S,), index of the recording of each segment.
     """
-    states = _states(segments)
+    states = states_of(segments)
     of_instant = at_each_instant(segments, recording)
     is_static = at_each_instant(segments, [segment.is_static for segment in segments])
     cells = np.arange(len(states))
@@ -49,7 +47,7 @@ def is_one_program(segments: Sequence[Segment], recording: NDArray[np.intp]) -> 
 
     What friction holds at rest depends on all that was done before; only then is that the same too.
     """
-    every = _states(segments)
+    every = states_of(segments)
     states = [every[rows] for rows in instants_of(segments)]
     first = np.flatnonzero(recording == 0)
     for k in range(1, int(np.max(recording)) + 1):
@@ -60,39 +58,3 @@ def is_one_program(segments: Sequence[Segment], recording: NDArray[np.intp]) -> 
             if not passes_same(states[one], states[other]):
                 return False
     return True
-
-
-def _states(segments: Sequence[Segment]) -> Array:
-    """Return the state at every instant in units of what counts as alike, shape (T, s)."""
-    read = [segment.motion.read for segment in segments]
-    q = np.concatenate([segment.motion.q[here] for segment, here in zip(segments, read, strict=True)])
-    velocity = np.concatenate([segment.motion.velocity[here] for segment, here in zip(segments, read, strict=True)])
-    wrench = np.concatenate([segment.motion.wrench[here] for segment, here in zip(segments, read, strict=True)])
-    payload = at_each_instant(segments, [segment.conditions.payload_kg for segment in segments])
-    came = np.concatenate([_came(segment) for segment in segments])
-    force, moment = (np.max(np.abs(part)) for part in (wrench[:, :3], wrench[:, 3:]))
-    scaled = [
-        q / TRAVELS,
-        _scaled(velocity, np.max(np.abs(velocity), axis=0)),
-        _scaled(wrench[:, :3], force),
-        _scaled(wrench[:, 3:], moment),
-        _scaled(payload[:, None], np.max(payload)),
-        came,
-    ]
-    return np.concatenate(scaled, axis=1)
-
-
-def _came(segment: Segment) -> Array:
-    """Return from where the state of every instant was reached, shape (T, n + 1): joints, and the load at rest."""
-    read = segment.motion.read
-    count = len(segment)
-    if not segment.is_static:
-        return np.zeros((count, segment.motion.q.shape[1] + 1))
-    approach = np.sign(segment.motion.q[read][0] - segment.motion.q[0])
-    force = np.linalg.norm(segment.motion.wrench[:, :3], axis=1)
-    loading = np.sign(np.diff(force, prepend=force[0]))[read]
-    return 2.0 * np.column_stack([np.tile(approach, (count, 1)), loading])
-
-
-def _scaled(values: Array, largest: Array | float) -> Array:
-    return np.asarray(values / np.where(np.asarray(largest) > 0, ALIKE * np.asarray(largest), 1.0), dtype=np.float64)

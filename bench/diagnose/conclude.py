@@ -157,7 +157,7 @@ def _noisy(linear: LinearisedModel) -> tuple[NoisyChannel, ...]:
 
 def _step(finding: Finding) -> Step:
     gain = finding.held_out
-    reason = f"held-out {gain.by}s {'become' if gain.is_gain else 'do not become'} more probable"
+    reason = f"held-out {gain.decided_by}s {'become' if gain.is_gain else 'do not become'} more probable"
     if gain.is_gain and not finding.is_taken:
         reason = (
             "beside the others its evidence is no more than what chance, errors of what these are simulated to, or the "

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.linearise.linearised_model import LinearisedModel
+from bench.diagnose.replay.alike import runs_together
 from bench.diagnose.replay.instants import at_each_instant, recordings_of
 from bench.record.campaign import Array
 from bench.record.held_out import BLOCKS, GAP, MOST_FOLDS
@@ -86,6 +87,27 @@ def folds_of(linear: LinearisedModel, changed: Array | None = None, only: str | 
     gap = np.zeros((len(run), len(inside) + len(names) - 1), dtype=bool)
     gap[np.flatnonzero(mine)[:, None], np.arange(len(inside))] = inside.gap
     return Folds(inside.by, fold, gap, own=len(inside), of=names[alone])
+
+
+def folds_of_states(linear: LinearisedModel, changed: Array) -> Folds | None:
+    """Return folds of which each is what several recordings repeat, held out of all of them; None: they repeat nothing.
+
+    Recordings by one program confirm whatever repeats with it, right or wrong: a drive that rings after each ramp is a
+    transmission error in every one of them. Whether the machine has it, states say that were not fitted at all.
+
+    Args:
+        linear: The campaign.
+        changed: Shape (m,), whitened change of the prediction by the extension; what one fold alone shows cannot be
+            held out so.
+    """
+    group = runs_together(linear.segments)
+    count = max(group.values()) + 1
+    if count == len(group) or len(recordings_of(linear.segments)) == 1:
+        return None
+    power = _sums(np.array([group[run] for run in linear.runs])[linear.run_of], changed**2, count)
+    if np.max(power) > ALONE * power.sum():
+        return None
+    return _of_runs(at_each_instant(linear.segments, [group[segment.run] for segment in linear.segments]), power)
 
 
 def _sums(group: NDArray[np.int64] | Array, values: Array, count: int) -> Array:

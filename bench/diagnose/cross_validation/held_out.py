@@ -2,7 +2,8 @@
 
 It pays if what was held out becomes more probable. Two kinds of things are held out, one at a time:
 
-- every recording, predicted by the model fitted to the others; of a campaign that is one recording, every run;
+- every recording, predicted by the model fitted to the others; of a campaign that is one recording, every run; where
+  recordings repeat a motion, what repeats is held out of all of them as well, and the lower worth of both counts;
 - every stated figure of robot and instruments, predicted by all runs and the other figures. A nominal model with
   absurd figures predicts held-out runs as well as an extension does (a gas constant 12 sigmas off acts exactly as a
   loss of gas does), so runs alone would refuse causes that are true; the figure tells.
@@ -18,7 +19,7 @@ from typing import Literal
 import numpy as np
 
 from bench.diagnose.cross_validation.floor import floor_variance
-from bench.diagnose.cross_validation.folds import Folds, folds_of
+from bench.diagnose.cross_validation.folds import Folds, folds_of, folds_of_states
 from bench.diagnose.cross_validation.leave_out import (
     errors_of_folds,
     log_probability_of_figures,
@@ -107,7 +108,8 @@ class HeldOut:
         nats: Rise of the log probability of all that was held out.
         low, high: 90 % interval of it, over the runs.
         figures: The part of `nats` that comes from the stated figures; the rest comes from the runs.
-        by: What was held out at a time.
+        by: What was held out at a time; `channels` and `recordings` are of that.
+        decided_by: What was held out where `nats` is the least: the same, or "run" for what recordings repeat.
         folds: Number of them.
         channels: One entry for each column of the campaign that is compared.
         recordings: What each recording gains; nan where these were not what was held out, empty where there is one.
@@ -119,6 +121,7 @@ class HeldOut:
     high: float
     figures: float
     by: Literal["recording", "run", "block"]
+    decided_by: Literal["recording", "run", "block"]
     folds: int
     channels: tuple[ChannelGain, ...]
     recordings: tuple[RecordingGain, ...] = ()
@@ -147,26 +150,51 @@ def held_out(linear: LinearisedModel, before: Fit, after: Fit, before_in: Linear
     added = {cause.key: cause for cause in after.causes}.keys() - {cause.key for cause in before.causes}
     acts_in = {cause.place.recording for cause in after.causes if cause.key in added}
     only = acts_in.pop() if len(acts_in) == 1 else None
-    folds = folds_of(linear, linear.whiten(before.residual - after.residual), only)
+    changed = linear.whiten(before.residual - after.residual)
+    folds = folds_of(linear, changed, only)
     tangents = [tangent_of(own, fit) for own, fit in zip(designs, (before, after), strict=True)]
     one, two = (log_probability_of_folds(linear, tangent, folds) for tangent in tangents)
     figures = log_probability_of_figures(after, tangents[1], count) - log_probability_of_figures(before, tangents[0])
     rise = (two - one)[: folds.own]
-    weights = np.random.default_rng(SEED).dirichlet(np.ones(len(rise)), DRAWS)
-    low, high = np.quantile(figures + len(rise) * weights @ rise, (LOW, HIGH))
+    weights, worth = _weights(len(rise)), _worth(rise, figures, folds.by)
+    if folds.by == "recording" and (states := folds_of_states(linear, changed)):
+        before_it, after_it = (log_probability_of_folds(linear, tangent, states) for tangent in tangents)
+        worth = min(worth, _worth(after_it - before_it, figures, states.by), key=lambda one: one.low)
     both = zip(designs, (before, after), tangents, strict=True)
     first, second = (errors_of_folds(own, fit, tangent, folds) for own, fit, tangent in both)
     return HeldOut(
-        nats=figures + float(np.sum(rise)),
-        low=float(low),
-        high=float(high),
+        nats=worth.nats,
+        low=worth.low,
+        high=worth.high,
         figures=figures,
         by=folds.by,
+        decided_by=worth.by,
         folds=len(folds),
         channels=_channels(with_play(linear, after.play), folds, first, second, weights),
         recordings=_of_recordings(recordings_of(linear.segments), folds, two - one),
         of=folds.of,
     )
+
+
+@dataclass(frozen=True)
+class _Worth:
+    """Rise of the log probability of what was held out, with its 90 % interval, and what that was."""
+
+    nats: float
+    low: float
+    high: float
+    by: Literal["recording", "run", "block"]
+
+
+def _worth(rise: Array, figures: float, by: Literal["recording", "run", "block"]) -> _Worth:
+    """Return what an extension is worth, of the rise of every fold, shape (K,), and of the stated figures."""
+    low, high = np.quantile(figures + len(rise) * _weights(len(rise)) @ rise, (LOW, HIGH))
+    return _Worth(figures + float(np.sum(rise)), float(low), float(high), by)
+
+
+def _weights(folds: int) -> Array:
+    """Return the weights of a Bayesian bootstrap, shape (draws, folds)."""
+    return np.random.default_rng(SEED).dirichlet(np.ones(folds), DRAWS)
 
 
 def _of_recordings(names: tuple[str, ...], folds: Folds, rise: Array) -> tuple[RecordingGain, ...]:

@@ -6,8 +6,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 from scipy.special import stdtrit
 
@@ -17,7 +15,7 @@ from bench.diagnose.cross_validation.leave_out import errors_of_folds, tangent_o
 from bench.diagnose.cross_validation.moderated import moderated
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.replay.alike import ALIKE, passes_same
+from bench.diagnose.replay.alike import ALIKE, together
 from bench.diagnose.replay.instants import at_each_instant, recordings_of
 from bench.diagnose.replay.quantities import Quantity
 from bench.effects.effect import Effect
@@ -180,16 +178,11 @@ def apart(linear: LinearisedModel, folds: Folds) -> Folds:
     q = np.concatenate([segment.motion.q[segment.motion.read] for segment in linear.segments])
     spread = np.ptp(q, axis=0)
     places = (q / np.where(spread > 0, spread, 1.0))[:, spread > 0]
-    blocks = [np.flatnonzero(folds.of_instants == f) for f in range(len(folds))]
-    trees = [cKDTree(places[rows] / ALIKE) for rows in blocks]
-    meets = np.zeros((len(folds), len(folds)), dtype=bool)
-    for i, rows in enumerate(blocks):
-        for j, tree in enumerate(trees):
-            meets[i, j] = passes_same(places[rows] / ALIKE, tree)
-    count, group = connected_components(csr_array(meets), directed=False)
+    group = together([places[folds.of_instants == f] / ALIKE for f in range(len(folds))])
+    count = int(np.max(group)) + 1
     if count < 2:  # all of it is one place: then blocks of time are what there is
         return folds
-    fold = group[folds.of_instants].astype(np.int64)
+    fold = group[folds.of_instants]
     gap = np.stack([np.any(folds.gap[:, group == g], axis=1) & (fold != g) for g in range(count)], axis=1)
     return Folds("block", fold, gap | _near(places, fold, count))
 

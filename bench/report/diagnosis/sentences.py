@@ -238,7 +238,8 @@ def confirmed_text(step: Step) -> str:
 def refused_text(step: Step) -> str:
     """Return why a finding was given up, in a line: withdrawn, where other recordings do not repeat it."""
     names, reason = " with ".join(cause_name(cause) for cause in step.added), step.reason.rstrip(".")
-    if step.recordings and step.low <= NOTICEABLE and any(np.isfinite(one.nats) for one in step.recordings):
+    known = [one for one in step.recordings if np.isfinite(one.nats)]
+    if known and step.low <= NOTICEABLE and len(step.confirmed_by) < len(known):
         return f"Withdrawn: {names}: it does not repeat from recording to recording, {confirmed_text(step)}."
     return f"Refused: {names}: {reason}."
 
