@@ -2,7 +2,8 @@
 
 Stricter than a joint diagnosis (`diagnose/replay/levels.py`): there weights, zeros of channels and the calibration of a
 force sensor are the machine's, some with a drift; here a change of the machine must not be one of theirs, so all that
-reads is anew. Torque constants and viscous friction are the machine's and drift with the temperature, as they do there.
+reads is anew. Torque constants and viscous friction are the machine's and drift with the temperature, as they do there,
+and the thermometer of the gas is the same one: by what it errs today it erred before, but for what gas and wall differ.
 """
 
 from collections.abc import Sequence
@@ -11,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.replay.nuisances import Nuisance
+from bench.diagnose.replay.nuisances import THERMOMETER, Nuisance
 from bench.record.campaign import Array
 
 EVERY = -1  # exact: in place of a recording: all of them
-GAIN = "torque constant of "  # of a motor, with the amplifier beside it: the machine's, though readings show it
+STAY = ("torque constant of ", THERMOMETER)  # exact: on the machine, though readings show them
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,11 +35,11 @@ class Slopes:
 
 
 def is_of_machine(nuisance: Nuisance) -> bool:
-    """Whether what may be off is the machine's, but for a drift: figures, zeros of motors, torque constants.
+    """Whether what may be off is the machine's, but for a drift: figures, zeros of motors, and what of `STAY`.
 
     All else is set up anew.
     """
-    return nuisance.edit is not None or nuisance.encoder is not None or nuisance.name.startswith(GAIN)
+    return nuisance.edit is not None or nuisance.encoder is not None or nuisance.name.startswith(STAY)
 
 
 def by_level(jacobian: Array, nuisances: Sequence[Nuisance], recording: NDArray[np.intp], held: float) -> Slopes:

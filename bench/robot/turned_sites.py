@@ -1,6 +1,8 @@
 """How sites turn with the joints: what is fixed to the tool, such as a reflector's nest, turns with it."""
 
 from dataclasses import dataclass
+from functools import cached_property
+from math import cos, sin
 
 import mujoco
 import numpy as np
@@ -9,6 +11,9 @@ from numpy.typing import NDArray
 from bench.robot.compiled import CompiledRobot
 
 Array = NDArray[np.float64]
+_Chain = tuple[tuple[Array, int | None], ...]
+_Four = tuple[float, float, float, float]
+_Quaternions = tuple[tuple[_Four, int | None], ...]  # the rotation that stays, or 0 and the axis of a hinge
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +25,7 @@ class TurnedSites:
             axis of a hinge, shape (3,), with the index of its joint.
     """
 
-    chains: tuple[tuple[tuple[Array, int | None], ...], ...]
+    chains: tuple[_Chain, ...]
 
     @classmethod
     def reflectors_of(cls, compiled: CompiledRobot) -> "TurnedSites":
@@ -44,8 +49,76 @@ class TurnedSites:
                 found[:, k] = _turned(chain, theta, offset[k])
         return found
 
+    def at(self, theta: Array, offset: Array) -> Array:
+        """Return what `moved` does of one instant, shape (r, 3), for angles of shape (n,); several times faster.
 
-def _chain(compiled: CompiledRobot, body: int) -> tuple[tuple[Array, int | None], ...]:
+        Args:
+            theta: Shape (n,) [rad].
+            offset: Shape (r, 3), in the axes of the body that carries the site.
+        """
+        found = np.zeros((len(self.chains), 3))
+        if not np.any(offset):
+            return found
+        angles = theta.tolist()
+        for sites, chain in self._of_bodies:
+            w, x, y, z = 1.0, 0.0, 0.0, 0.0
+            for (a, b, c, d), joint in chain:
+                if joint is not None:  # about the axis (b, c, d)
+                    half = 0.5 * angles[joint]
+                    a, sine = cos(half), sin(half)
+                    b, c, d = sine * b, sine * c, sine * d
+                w, x, y, z = (
+                    w * a - x * b - y * c - z * d,
+                    w * b + x * a + y * d - z * c,
+                    w * c - x * d + y * a + z * b,
+                    w * d + x * c - y * b + z * a,
+                )
+            mujoco.mju_quat2Mat(matrix := np.empty(9), np.array([w, x, y, z]))
+            found[sites] = offset[sites] @ matrix.reshape(3, 3).T
+        return found
+
+    @cached_property
+    def _of_bodies(self) -> tuple[tuple[list[int], _Quaternions], ...]:
+        """Sites of each body, with its chain: quaternions in the place of matrices, neighbours as one."""
+        found: list[tuple[list[int], _Quaternions]] = []
+        for k, chain in enumerate(self.chains):
+            same = [sites for sites, _ in found if _are_alike(self.chains[sites[0]], chain)]
+            if same:
+                same[0].append(k)
+            else:
+                found.append(([k], _in_quaternions(chain)))
+        return tuple(found)
+
+
+def _are_alike(one: _Chain, other: _Chain) -> bool:
+    return len(one) == len(other) and all(
+        a == b and np.array_equal(turn, own) for (turn, a), (own, b) in zip(one, other, strict=True)
+    )
+
+
+def _in_quaternions(chain: _Chain) -> _Quaternions:
+    found: list[tuple[_Four, int | None]] = []
+    still = np.eye(3)
+    for turn, joint in chain:
+        if joint is None:
+            still = still @ turn
+            continue
+        if not np.array_equal(still, np.eye(3)):
+            found.append((_quaternion(still), None))
+            still = np.eye(3)
+        x, y, z = (turn / np.linalg.norm(turn)).tolist()
+        found.append(((0.0, x, y, z), joint))
+    return (*found, (_quaternion(still), None))
+
+
+def _quaternion(matrix: Array) -> _Four:
+    found = np.empty(4)
+    mujoco.mju_mat2Quat(found, matrix.reshape(9))
+    w, x, y, z = found.tolist()
+    return w, x, y, z
+
+
+def _chain(compiled: CompiledRobot, body: int) -> _Chain:
     model = compiled.model
     column = {int(joint): j for j, joint in enumerate(compiled.at.joint)}
     chain: list[tuple[Array, int | None]] = []
@@ -61,7 +134,7 @@ def _chain(compiled: CompiledRobot, body: int) -> tuple[tuple[Array, int | None]
     return tuple(reversed(chain))
 
 
-def _turned(chain: tuple[tuple[Array, int | None], ...], theta: Array, offset: Array) -> Array:
+def _turned(chain: _Chain, theta: Array, offset: Array) -> Array:
     """Return an offset, shape (T, 3), after a chain of turns; the outermost turns it first (Rodrigues)."""
     found = np.tile(offset, (len(theta), 1))
     for turn, joint in reversed(chain):

@@ -1,7 +1,7 @@
 """Read one instant at a time, as the environment does: the same readings as `Instruments.read`, several times faster.
 
-But for noise and resolution a reading is a linear function of the truth. `Glance` finds its matrix by showing unit
-truths to the instruments, once for a set of systematic errors.
+But for noise, resolution and the nests of reflectors a reading is a linear function of the truth. `Glance` finds its
+matrix by showing unit truths to the instruments, once for a set of systematic errors.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -10,7 +10,7 @@ from math import hypot
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.simulate.instruments import VERTICAL_TOLERANCE, Array, Instruments
+from bench.simulate.instruments import VERTICAL_TOLERANCE, Array, Instruments, small_rotation
 from bench.simulate.trace import Trace
 
 
@@ -39,6 +39,7 @@ class Glance:
         if self.instruments.errors is not self._errors:
             self._look_up()
             self._errors = self.instruments.errors
+            self._turn = small_rotation(self.instruments.errors.frame_rotation)
         shown: Array = self._upright @ record
         shown += self._offset
         x, y, z = shown[self._force].tolist()
@@ -59,7 +60,8 @@ class Glance:
         rounded *= self._steps
         found = {name: shown[here] for name, here in self._shown}
         if "reflectors" in found:
-            found["reflectors"] = found["reflectors"].reshape(-1, 3)
+            nests = self.instruments.nests_at(shown[self._theta], self._turn)
+            found["reflectors"] = found["reflectors"].reshape(-1, 3) + nests
         return found
 
     def _look_up(self) -> None:
@@ -71,17 +73,18 @@ class Glance:
         truth = self._trace_of(np.concatenate([np.zeros((1, self._width)), np.eye(self._width)]))
         maps = []
         for slants in (False, True):
-            seen = instruments.systematic(truth, slants)
+            seen = instruments.linear(truth, slants)
             seen["q_link"] = np.nan_to_num(seen["q_link"]) if "q_link" in seen else np.zeros((len(truth), 0))
             blocks = {name: seen[name].reshape(len(truth), -1) for name in order}
-            blocks["force of load"] = truth.wrench[:, :3]
+            blocks["force of load"], blocks["joints"] = truth.wrench[:, :3], truth.theta
             if "reflectors" in spreads:
                 blocks["away"] = instruments.away(truth.reflectors).reshape(len(truth), -1)
             maps.append(np.concatenate([*blocks.values()], axis=1))
         self._offset = maps[0][0]
         self._upright, self._slanting = (np.ascontiguousarray((one[1:] - one[0]).T) for one in maps)
         places = _places({name: block.shape[1] for name, block in blocks.items()})
-        self._force, self._away = places.pop("force of load"), places.pop("away", None)
+        self._force, self._theta = places.pop("force of load"), places.pop("joints")
+        self._away = places.pop("away", None)
         self._places = places
         self._shown = [(name, places[name]) for name in self._names]
         self._steps = _filled(places, {name: steps[name] for name in order if name in steps})

@@ -157,10 +157,36 @@ class Instruments:
         missing = {name: np.full(shapes.get(name, (instants, n)), np.nan) for name in names if name not in seen}
         return Reading(time=trace.time, **seen, **missing)
 
-    def systematic(self, trace: Trace, slants: bool | None = None) -> dict[str, Array]:
+    def systematic(self, trace: Trace) -> dict[str, Array]:
         """Return what the instruments would show without noise and infinitely fine, by fields of `Reading`.
 
-        Those that are missing have no entry. But for `slants` it is a linear function of `trace`.
+        Those that are missing have no entry.
+        """
+        seen = self.linear(trace)
+        if self.figures.tracker:
+            seen["reflectors"] = seen["reflectors"] + self.nests(trace.theta)
+        return seen
+
+    def nests(self, theta: Array) -> Array:
+        """Return what reflectors that sit off in their nests add to the tracker's readings, shape (T, r, 3) [m].
+
+        Args:
+            theta: Shape (T, n), of the joints.
+        """
+        placed = self._sites.moved(theta, self.errors.placement)
+        return np.asarray(placed @ small_rotation(self.errors.frame_rotation).T, dtype=np.float64)
+
+    def nests_at(self, theta: Array, turn: Array) -> Array:
+        """Return the same of one instant, shape (r, 3), as fast as an environment asks it.
+
+        Args:
+            theta: Shape (n,), of the joints.
+            turn: Shape (3, 3), of the frame.
+        """
+        return np.asarray(self._sites.at(theta, self.errors.placement) @ turn.T, dtype=np.float64)
+
+    def linear(self, trace: Trace, slants: bool | None = None) -> dict[str, Array]:
+        """Return what `systematic` does but for the nests, which but for `slants` is a linear function of `trace`.
 
         Args:
             trace: T instants.
@@ -184,8 +210,7 @@ class Instruments:
             seen["force"] = np.where(slanting, wrench[:, :3] @ tilt.T, wrench[:, :3])
             seen["moment"] = np.where(slanting, wrench[:, 3:] @ tilt.T, wrench[:, 3:])
         if f.tracker:
-            placed = trace.reflectors + self._sites.moved(trace.theta, errors.placement)
-            turned = placed @ small_rotation(errors.frame_rotation).T
+            turned = trace.reflectors @ small_rotation(errors.frame_rotation).T
             rate = f.tracker.drift_m_per_h * errors.drift_direction + errors.frame_drift
             drift = trace.time[:, None, None] / HOUR * rate
             seen["reflectors"] = turned + errors.frame_shift + drift

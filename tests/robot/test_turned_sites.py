@@ -26,3 +26,4 @@ def test_axes_of_a_site_are_those_of_mujoco(compiled: CompiledRobot) -> None:
         for k, site in enumerate(at.reflectors):
             axes = data.xmat[model.site_bodyid[site]].reshape(3, 3)
             np.testing.assert_allclose(row[k], axes @ offset[k], atol=1e-12)
+        np.testing.assert_allclose(TurnedSites.reflectors_of(compiled).at(angles, offset), row, atol=1e-12)

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -45,6 +46,14 @@ def standing(count: int, wrench: tuple[float, ...] = (0, 0, -100, 0, 0, 0), seco
     )
 
 
+def axes_of_nests(compiled: CompiledRobot, theta: np.ndarray) -> list[np.ndarray]:
+    """Return the axes of the body that carries each reflector: what sits off in a nest turns with it."""
+    data = mujoco.MjData(compiled.model)
+    data.qpos[compiled.at.theta] = theta
+    mujoco.mj_kinematics(compiled.model, data)
+    return [data.xmat[compiled.model.site_bodyid[site]].reshape(3, 3) for site in compiled.at.reflectors]
+
+
 def test_spread_of_repeats_is_that_of_the_figures(compiled: CompiledRobot) -> None:
     figures = compiled.robot.figures.instruments
     assert figures.current
@@ -69,7 +78,9 @@ def test_errors_that_stay_are_those_of_the_draw(compiled: CompiledRobot) -> None
     np.testing.assert_allclose(seen.current.mean(axis=0), current, atol=5 * 0.02 / np.sqrt(READINGS))
     force = small_rotation(errors.force_tilt) @ trace.wrench[0, :3] * (1 + errors.force_gain)
     np.testing.assert_allclose(seen.force.mean(axis=0), force, atol=5 * 0.5 / np.sqrt(READINGS))
-    places = (trace.reflectors[0] + errors.placement) @ small_rotation(errors.frame_rotation).T + errors.frame_shift
+    axes = axes_of_nests(compiled, trace.theta[0])
+    nests = np.stack([own @ at for own, at in zip(axes, errors.placement, strict=True)])
+    places = (trace.reflectors[0] + nests) @ small_rotation(errors.frame_rotation).T + errors.frame_shift
     np.testing.assert_allclose(seen.reflectors.mean(axis=0), places, atol=5 * 30e-6 / np.sqrt(READINGS))
 
 

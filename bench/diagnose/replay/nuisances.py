@@ -9,6 +9,7 @@ from functools import partial
 
 import numpy as np
 
+from bench.diagnose.replay.noise import GAS_DRIFT_K
 from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.reading_errors import (
     OnReading,
@@ -36,6 +37,7 @@ from bench.simulate.pulls import pulled
 
 # assumed: [K], of a thermometer on the cylinder's wall, and of the temperature at which the figures hold
 THERMOMETER_K = 2.0
+THERMOMETER = "thermometer of the gas"
 # derived: [rad] or [m], how well secondary encoders are zeroed where the figures do not say: as the catalogue expects
 # of motor encoders
 UNKNOWN_ZERO = JointZero.parameters[0].high / 3**0.5
@@ -167,7 +169,16 @@ def nuisances_of(compiled: CompiledRobot, quantities: tuple[Quantity, ...]) -> t
         + _force(compiled, kinds)
     )
     if "gas_temperature" in kinds:
-        found.append(Nuisance("thermometer of the gas", "K", THERMOMETER_K, on_reading=thermometer_zero))
+        found.append(
+            Nuisance(
+                THERMOMETER,
+                "K",
+                THERMOMETER_K,
+                on_reading=thermometer_zero,
+                between="drifts",
+                own=GAS_DRIFT_K,  # by which the gas differs from the wall: another one on another day
+            )
+        )
     if "q_link" in kinds:
         fitted = compiled.robot.figures.instruments.link_encoder
         sigma, zeroing = (fitted.offset_sigma_rad, fitted.zeroing_sigma_rad) if fitted else (UNKNOWN_ZERO, None)
