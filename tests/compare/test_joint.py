@@ -8,10 +8,12 @@ import pytest
 
 from bench.compare.coincidence import cells_of
 from bench.compare.joint import Joint, joint_of
-from bench.compare.levels import by_level, is_of_machine
+from bench.compare.levels import EVERY, by_level, is_of_machine
 from bench.compare.noise import Repeatability
 from bench.compare.recordings import recordings_of
 from bench.compare.shared import shared_whitening
+from bench.diagnose.replay.noise import GAS_DRIFT_K
+from bench.diagnose.replay.nuisances import THERMOMETER, THERMOMETER_K
 from bench.effects.catalogue import catalogue
 from bench.errors import InputError
 from bench.record.campaign import Campaign
@@ -136,3 +138,25 @@ def test_what_repeats_has_the_covariance_that_is_said_of_it() -> None:
         determinant = np.linalg.slogdet(covariance)[1]
         gained = whitening.log_determinant - float(np.sum(linear.log_determinants))
         np.testing.assert_allclose(gained, -0.5 * determinant, rtol=1e-6, atol=1e-6)
+
+
+def test_a_thermometer_is_the_same_one_on_the_next_day() -> None:
+    """Gas that was 2.7 K warmer, as its thermometer showed, shared the odds with gas that was lost."""
+
+    def with_thermometer(campaign: Campaign) -> Campaign:
+        return changed(
+            campaign, lambda columns: columns.update(gas_temperature_k=np.full(len(columns["time_s"]), 294.0))
+        )
+
+    recordings = recordings_of(
+        {"before": with_thermometer(made(SWEEP, 1))}, {"after": with_thermometer(made(SWEEP, 2))}
+    )
+    own = joint_of(recordings, nominal(), FEW, most_bins=60)
+    linear = own.linear
+    slopes = by_level(linear.jacobian, linear.nuisances, own.of_row, 0.5)
+    (mine,) = (i for i, one in enumerate(linear.nuisances) if one.name == THERMOMETER)
+    columns = np.flatnonzero(slopes.nuisance == mine)
+    size = [float(np.max(np.abs(slopes.matrix[:, column]))) for column in columns]
+    assert slopes.recording[columns].tolist() == [EVERY, 0, 1]
+    assert size[0] / size[1] == pytest.approx(np.sqrt(THERMOMETER_K**2 - GAS_DRIFT_K**2) / GAS_DRIFT_K)
+    assert size[1] == pytest.approx(size[2])
