@@ -27,7 +27,7 @@ class JointCompliance(_InElement):
     """The elastic element is softer or stiffer than its figure."""
 
     name = "joint_compliance"
-    title = "stiffness of the elastic element"
+    title = "compliance of the elastic element"
     physics = (
         "The gear, its bearings and shafts give by tau (1 + x)/k instead of tau/k, over the whole range of torque."
     )
