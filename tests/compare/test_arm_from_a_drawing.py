@@ -241,7 +241,7 @@ def test_an_unchanged_arm_has_not_changed_and_a_change_is_named(arm: CompiledRob
     assert {(one.effect, one.place) for one in first} == {("coulomb_level", "joint 2")}
 
 
-@pytest.mark.parametrize("seed", [10, 11])
+@pytest.mark.parametrize("seed", [10, pytest.param(11, marks=pytest.mark.study)])
 def test_what_few_readings_do_not_tell_from_noise_has_not_changed(
     arm: CompiledRobot, fitted: CompiledRobot, seed: int
 ) -> None:

@@ -80,7 +80,7 @@ def test_it_is_named_at_its_drive_and_friction_of_the_middle_is_handed_over(
     assert handed.motor_coulomb[1] == pytest.approx(middle * COULOMB[1], rel=0.03)  # it began with a tenth more
 
 
-@pytest.mark.parametrize("share", [0.2, 0.5])
+@pytest.mark.parametrize("share", [0.2, pytest.param(0.5, marks=pytest.mark.study)])
 def test_a_promise_counts_with_how_warm_drives_will_be(compiled: CompiledRobot, tmp_path: Path, share: float) -> None:
     """A robot is handed over with friction of the middle: what fell around that comes again in the next recording."""
     campaign = warmed_up(share)
