@@ -65,7 +65,7 @@ def test_what_a_small_part_of_gravity_tells_is_known_no_better_than_the_masses(r
     [
         (scale(2, "current_5_a"), "current_5_a", "looks doubled: "),
         pytest.param(scale(0.5, "current_3_a"), "current_3_a", "looks halved: ", marks=pytest.mark.study),
-        pytest.param(scale(2, GAUGE), GAUGE, "looks doubled: 2.0", marks=pytest.mark.study),
+        (scale(2, GAUGE), GAUGE, "looks doubled: 2.0"),
         pytest.param(scale(0.5, GAUGE), GAUGE, "looks halved: 0.5", marks=pytest.mark.study),
         (late("current_3_a"), "current_3_a", "looks late, by about 1"),
         (late("reflector_1_x_m", "reflector_1_y_m", "reflector_1_z_m"), "reflector_1_x_m", "looks late, by about 1"),
