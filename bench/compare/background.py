@@ -13,7 +13,7 @@ from bench.compare.shared import SharedWhitening, shared_whitening, undo_segment
 from bench.diagnose.linearise.candidates import Candidate
 from bench.diagnose.linearise.generic import Block
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.linearise.marginal import Nuisances
+from bench.diagnose.linearise.marginal import AT_A_TIME, Nuisances
 from bench.diagnose.linearise.other_noise import raised, with_scatter
 from bench.diagnose.linearise.screening import Entry, Tried, tried_of
 from bench.errors import InputError
@@ -117,28 +117,16 @@ def _left_of_each(joint: Joint) -> tuple[Array, Array]:
     linear, of_row = joint.linear, joint.of_row
     discrepancy = _tried(joint.discrepancy())
     slopes = by_level(linear.jacobian, linear.nuisances, of_row, linear.scatter.new).matrix
-    every = np.concatenate([slopes, discrepancy.columns.matrix * discrepancy.prior], axis=1)
-    left, free = np.empty(len(linear.white)), np.empty(len(linear.white))
-    plain, variance = every.copy(), _variances(linear)
-    undo_segments(linear, plain)
-    for k in range(len(joint.recordings)):
-        rows = of_row == k
-        fitted = Nuisances(every[rows])
-        left[rows] = linear.white[rows] - every[rows] @ fitted.most_probable(linear.white[rows])
-        free[rows] = _free(fitted, plain[rows], variance[rows])
+    left, free, variance = np.empty(len(linear.white)), np.empty(len(linear.white)), _variances(linear)
+    for k in range(len(joint.recordings)):  # which stand one after the other
+        rows = slice(*np.searchsorted(of_row, (k, k + 1)).tolist())
+        every = np.concatenate([slopes[rows], discrepancy.columns.matrix[rows] * discrepancy.prior], axis=1)
+        fitted = Nuisances(every)
+        left[rows] = linear.white[rows] - every @ fitted.most_probable(linear.white[rows])
+        undo_segments(linear, every, rows.start)
+        free[rows] = variance[rows] - fitted.variances(every)
     undo_segments(linear, left[:, None])
-    return left, free
-
-
-def _free(fitted: Nuisances, slopes: Array, variance: Array) -> Array:
-    """Return the variance that a fit leaves readings of a right model, shape (m,): their degrees of freedom.
-
-    Args:
-        fitted: What was fitted.
-        slopes: Shape (m, p), to that, whitened instant by instant.
-        variance: Shape (m,), of these readings before the fit.
-    """
-    return np.maximum(variance - fitted.variances(slopes), 0.0)
+    return left, np.maximum(free, 0.0)
 
 
 def _variances(linear: LinearisedModel) -> Array:
@@ -174,7 +162,7 @@ def settled_background(background: Background, changes: Array) -> Background:
 
 
 def _left(background: Background, changes: Array) -> tuple[Array, Array]:
-    """Return what the model leaves of the readings, and the degrees of freedom of that, those of changes among them.
+    """Return what the model leaves of the readings, and the degrees of freedom of that, but for the few of the changes.
 
     Returns:
         Shape (m,) each, whitened instant by instant.
@@ -185,9 +173,14 @@ def _left(background: Background, changes: Array) -> tuple[Array, Array]:
     sizes = np.linalg.solve(found.information + np.eye(k), found.scores)
     rest = known.most_probable(background.white - white @ sizes)
     slopes = background.slopes.matrix
-    every = np.concatenate([slopes, background.discrepancy * background.discrepancy_prior], axis=1)
-    left = np.asarray(background.plain - every @ rest - changes @ sizes, dtype=np.float64)
-    return left, _free(known, every, _variances(background.joint.linear))
+    left, free = background.plain - changes @ sizes, _variances(background.joint.linear)
+    for start in range(0, len(left), AT_A_TIME):  # all of them take hundreds of megabytes
+        rows = slice(start, start + AT_A_TIME)
+        stayed = background.discrepancy[rows] * background.discrepancy_prior
+        every = np.concatenate([slopes[rows], stayed], axis=1)
+        left[rows] -= every @ rest
+        free[rows] -= known.variances(every)
+    return left, np.maximum(free, 0.0)
 
 
 def _tried(what: tuple[Candidate | Block, ...]) -> Tried:

@@ -83,10 +83,10 @@ def variances(left: Array, free: Array, cell: NDArray[np.intp], run: Array) -> t
     _, which, count = np.unique(cell, return_inverse=True, return_counts=True)
     has_partner = count[which] > 1
     total = float(np.sum(left**2) / np.sum(free))
-    if np.count_nonzero(has_partner) < FEW:
+    degrees = free * (1 - 1 / count[which])  # of each reading about the mean of its cell
+    if np.count_nonzero(has_partner) < FEW or not np.any(degrees[has_partner] > 0):
         return total * alike([left[run == one] for one in np.unique(run)]), total, int(np.count_nonzero(has_partner))
     deviation = left - (np.bincount(which, left) / count)[which]
-    degrees = free * (1 - 1 / count[which])  # of each reading about the mean of its cell
     new = float(np.sum(deviation[has_partner] ** 2) / np.sum(degrees[has_partner]))
     together = alike([deviation[has_partner & (run == one)] for one in np.unique(run)])
     return new * together, total, int(np.count_nonzero(has_partner))

@@ -99,11 +99,17 @@ class SharedWhitening:
         return float(np.sum(self.linear.log_determinants)) - common + tied + float(np.sum(np.log(1 - self.back)))
 
 
-def undo_segments(linear: LinearisedModel, white: Array) -> None:
-    """Put what segments have in common back into whitened values, shape (m, k), in place."""
+def undo_segments(linear: LinearisedModel, white: Array, first: int = 0) -> None:
+    """Put what segments have in common back into whitened values, in place.
+
+    Args:
+        linear: The model.
+        white: Shape (M, k), of whole segments.
+        first: Index of the first of these readings among all.
+    """
     for rows, whitening in _segments(linear):
-        if len(rows):
-            put_back(white[rows[0] : rows[-1] + 1], whitening.modes, whitening.shrink)
+        if len(rows) and first <= rows[0] < first + len(white):
+            put_back(white[rows[0] - first : rows[-1] + 1 - first], whitening.modes, whitening.shrink)
 
 
 def shared_whitening(linear: LinearisedModel, repeatability: Repeatability, cells: NDArray[np.intp]) -> SharedWhitening:

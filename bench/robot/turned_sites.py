@@ -1,8 +1,9 @@
-"""How sites turn with the joints: what is fixed to the tool, such as a reflector's nest, turns with it."""
+"""How reflectors turn with the joints: what sits off in a nest is fixed to the body that carries the nest."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from math import cos, sin
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -11,137 +12,100 @@ from numpy.typing import NDArray
 from bench.robot.compiled import CompiledRobot
 
 Array = NDArray[np.float64]
-_Chain = tuple[tuple[Array, int | None], ...]
-_Four = tuple[float, float, float, float]
-_Quaternions = tuple[tuple[_Four, int | None], ...]  # the rotation that stays, or 0 and the axis of a hinge
+_Link = tuple[tuple[float, float, float, float], int | None]  # a quaternion that stays, or 0 with the axis of a joint
 
 
 @dataclass(frozen=True, eq=False)
 class TurnedSites:
-    """Axes of the bodies that carry some sites, by the angles of the joints; r sites, n joints.
+    """Axes of the bodies that carry the reflectors, by the angles of the joints; r reflectors, n joints.
 
     Attributes:
-        chains: Of each site, from the base outwards: what turns the axes, a rotation that stays, shape (3, 3), or the
-            axis of a hinge, shape (3,), with the index of its joint.
+        count: Reflectors.
+        bodies: Of each body that carries some: which, and what turns its axes, from the base outwards.
     """
 
-    chains: tuple[_Chain, ...]
+    count: int
+    bodies: tuple[tuple[NDArray[np.intp], tuple[_Link, ...]], ...]
 
     @classmethod
     def reflectors_of(cls, compiled: CompiledRobot) -> "TurnedSites":
-        """Return those of a robot's reflectors. A joint that nothing drives counts as at rest.
-
-        Args:
-            compiled: The robot.
-        """
-        return cls(tuple(_chain(compiled, int(compiled.model.site_bodyid[site])) for site in compiled.at.reflectors))
+        """Return those of a robot. A joint that nothing drives counts as at rest."""
+        carriers = compiled.model.site_bodyid[compiled.at.reflectors]
+        bodies = ((np.flatnonzero(carriers == body), _chain(compiled, int(body))) for body in np.unique(carriers))
+        return cls(len(carriers), tuple(bodies))
 
     def moved(self, theta: Array, offset: Array) -> Array:
         """Return offsets in the base frame, shape (T, r, 3), of those in the axes of the bodies, shape (r, 3).
 
         Args:
             theta: Shape (T, n) [rad], joint angles.
-            offset: Shape (r, 3), in the axes of the body that carries the site.
+            offset: Shape (r, 3), in the axes of the body that carries the reflector.
         """
-        found = np.zeros((len(theta), len(self.chains), 3))
-        for k, chain in enumerate(self.chains):
-            if np.any(offset[k]):
-                found[:, k] = _turned(chain, theta, offset[k])
+        found = np.zeros((len(theta), self.count, 3))
+        for mine, chain in self.bodies:
+            if np.any(offset[mine]):
+                axes = _axes(chain, np.cos(0.5 * theta.T), np.sin(0.5 * theta.T), np.ones(len(theta)))
+                found[:, mine] = np.einsum("ijt,kj->tki", axes, offset[mine])
         return found
 
     def at(self, theta: Array, offset: Array) -> Array:
-        """Return what `moved` does of one instant, shape (r, 3), for angles of shape (n,); several times faster.
+        """Return what `moved` does of one instant, shape (r, 3), by floats, which are faster than arrays of one.
 
         Args:
             theta: Shape (n,) [rad].
-            offset: Shape (r, 3), in the axes of the body that carries the site.
+            offset: Shape (r, 3), in the axes of the body that carries the reflector.
         """
-        found = np.zeros((len(self.chains), 3))
-        if not np.any(offset):
-            return found
-        angles = theta.tolist()
-        for sites, chain in self._of_bodies:
-            w, x, y, z = 1.0, 0.0, 0.0, 0.0
-            for (a, b, c, d), joint in chain:
-                if joint is not None:  # about the axis (b, c, d)
-                    half = 0.5 * angles[joint]
-                    a, sine = cos(half), sin(half)
-                    b, c, d = sine * b, sine * c, sine * d
-                w, x, y, z = (
-                    w * a - x * b - y * c - z * d,
-                    w * b + x * a + y * d - z * c,
-                    w * c - x * d + y * a + z * b,
-                    w * d + x * c - y * b + z * a,
-                )
-            mujoco.mju_quat2Mat(matrix := np.empty(9), np.array([w, x, y, z]))
-            found[sites] = offset[sites] @ matrix.reshape(3, 3).T
+        found = np.zeros((self.count, 3))
+        if np.any(offset):
+            halves = [0.5 * angle for angle in theta.tolist()]
+            cosines, sines = [cos(half) for half in halves], [sin(half) for half in halves]
+            for mine, chain in self.bodies:
+                found[mine] = offset[mine] @ _axes(chain, cosines, sines, 1.0).T
         return found
 
-    @cached_property
-    def _of_bodies(self) -> tuple[tuple[list[int], _Quaternions], ...]:
-        """Sites of each body, with its chain: quaternions in the place of matrices, neighbours as one."""
-        found: list[tuple[list[int], _Quaternions]] = []
-        for k, chain in enumerate(self.chains):
-            same = [sites for sites, _ in found if _are_alike(self.chains[sites[0]], chain)]
-            if same:
-                same[0].append(k)
-            else:
-                found.append(([k], _in_quaternions(chain)))
-        return tuple(found)
 
-
-def _are_alike(one: _Chain, other: _Chain) -> bool:
-    return len(one) == len(other) and all(
-        a == b and np.array_equal(turn, own) for (turn, a), (own, b) in zip(one, other, strict=True)
-    )
-
-
-def _in_quaternions(chain: _Chain) -> _Quaternions:
-    found: list[tuple[_Four, int | None]] = []
-    still = np.eye(3)
-    for turn, joint in chain:
-        if joint is None:
-            still = still @ turn
-            continue
-        if not np.array_equal(still, np.eye(3)):
-            found.append((_quaternion(still), None))
-            still = np.eye(3)
-        x, y, z = (turn / np.linalg.norm(turn)).tolist()
-        found.append(((0.0, x, y, z), joint))
-    return (*found, (_quaternion(still), None))
-
-
-def _quaternion(matrix: Array) -> _Four:
-    found = np.empty(4)
-    mujoco.mju_mat2Quat(found, matrix.reshape(9))
-    w, x, y, z = found.tolist()
-    return w, x, y, z
-
-
-def _chain(compiled: CompiledRobot, body: int) -> _Chain:
+def _chain(compiled: CompiledRobot, body: int) -> tuple[_Link, ...]:
+    """Return what turns the axes of a body, from the base outwards; turns that do nothing are left out."""
     model = compiled.model
     column = {int(joint): j for j, joint in enumerate(compiled.at.joint)}
-    chain: list[tuple[Array, int | None]] = []
+    chain: list[_Link] = []
     while body:
         first = int(model.body_jntadr[body])
         for joint in reversed(range(first, first + int(model.body_jntnum[body]))):
             if joint in column and model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE:
-                chain.append((model.jnt_axis[joint].copy(), column[joint]))
-        matrix = np.empty(9)
-        mujoco.mju_quat2Mat(matrix, model.body_quat[body])
-        chain.append((matrix.reshape(3, 3), None))
+                x, y, z = model.jnt_axis[joint].tolist()
+                chain.append(((0.0, x, y, z), column[joint]))
+        w, x, y, z = model.body_quat[body].tolist()
+        if (x, y, z) != (0.0, 0.0, 0.0):
+            chain.append(((w, x, y, z), None))
         body = int(model.body_parentid[body])
     return tuple(reversed(chain))
 
 
-def _turned(chain: _Chain, theta: Array, offset: Array) -> Array:
-    """Return an offset, shape (T, 3), after a chain of turns; the outermost turns it first (Rodrigues)."""
-    found = np.tile(offset, (len(theta), 1))
-    for turn, joint in reversed(chain):
-        if joint is None:
-            found = found @ turn.T
-        else:
-            cosine, sine = np.cos(theta[:, joint, None]), np.sin(theta[:, joint, None])
-            along = (found @ turn)[:, None] * turn
-            found = along + cosine * (found - along) + sine * np.cross(turn, found)
-    return found
+def _axes(chain: Sequence[_Link], cosines: Any, sines: Any, one: Any) -> Array:
+    """Return the rotation at the end of a chain, shape (3, 3, ...), the product of its quaternions.
+
+    Args:
+        chain: From the base outwards.
+        cosines: Of half of each joint's angle: n floats, or shape (n, T).
+        sines: The same.
+        one: A float, or shape (T,): 1.
+    """
+    w, x, y, z = one, 0 * one, 0 * one, 0 * one
+    for (a, b, c, d), joint in chain:
+        if joint is not None:
+            a, sine = cosines[joint], sines[joint]
+            b, c, d = sine * b, sine * c, sine * d
+        w, x, y, z = (
+            w * a - x * b - y * c - z * d,
+            w * b + x * a + y * d - z * c,
+            w * c - x * d + y * a + z * b,
+            w * d + x * c - y * b + z * a,
+        )
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )

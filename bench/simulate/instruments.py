@@ -168,11 +168,7 @@ class Instruments:
         return seen
 
     def nests(self, theta: Array) -> Array:
-        """Return what reflectors that sit off in their nests add to the tracker's readings, shape (T, r, 3) [m].
-
-        Args:
-            theta: Shape (T, n), of the joints.
-        """
+        """Return what sitting off in nests adds to the tracker's readings, shape (T, r, 3) [m]; theta: shape (T, n)."""
         placed = self._sites.moved(theta, self.errors.placement)
         return np.asarray(placed @ small_rotation(self.errors.frame_rotation).T, dtype=np.float64)
 

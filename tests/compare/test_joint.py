@@ -9,7 +9,7 @@ import pytest
 from bench.compare.coincidence import cells_of
 from bench.compare.joint import Joint, joint_of
 from bench.compare.levels import EVERY, by_level, is_of_machine
-from bench.compare.noise import Repeatability
+from bench.compare.noise import Repeatability, variances
 from bench.compare.recordings import recordings_of
 from bench.compare.shared import shared_whitening
 from bench.diagnose.replay.noise import GAS_DRIFT_K
@@ -160,3 +160,12 @@ def test_a_thermometer_is_the_same_one_on_the_next_day() -> None:
     assert slopes.recording[columns].tolist() == [EVERY, 0, 1]
     assert size[0] / size[1] == pytest.approx(np.sqrt(THERMOMETER_K**2 - GAS_DRIFT_K**2) / GAS_DRIFT_K)
     assert size[1] == pytest.approx(size[2])
+
+
+def test_readings_that_a_fit_takes_whole_tell_no_noise() -> None:
+    """Where all readings that have a partner were such, the noise was 0 / 0."""
+    free = np.concatenate([np.zeros(20), np.ones(20)])
+    cell = np.concatenate([np.tile(np.arange(10), 2), 10 + np.arange(20)])
+    left = np.where(free > 0, np.tile([2.0, -2.0], 20), 0.0)
+    new, total, pairs = variances(left, free, cell, np.zeros(40))
+    assert (new, total, pairs) == (pytest.approx(4.0), pytest.approx(4.0), 20)

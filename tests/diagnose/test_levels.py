@@ -8,7 +8,7 @@ import pytest
 
 from bench.diagnose.cross_validation.figures import fitted_figures
 from bench.diagnose.cross_validation.folds import folds_of
-from bench.diagnose.diagnose import Diagnosis, diagnose, signatures_of
+from bench.diagnose.diagnose import Diagnosis, signatures_of
 from bench.diagnose.explain import recorded_by
 from bench.diagnose.linearise.reference_motion import session_of
 from bench.diagnose.replay.courses import courses_of
@@ -26,7 +26,6 @@ from bench.effects.levels import places_of
 from bench.effects.lubricant import viscous
 from bench.record.campaign import Campaign
 from bench.record.joined import joined
-from bench.report.diagnosis.sentences import refused_text
 from bench.report.diagnosis.words import words_of
 from bench.report.handover.readme import AGREES
 from bench.report.handover.robot_folder import hand_over
@@ -34,7 +33,6 @@ from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
 from bench.store.store import Store
 from tests.diagnose.recordings_small import BINS, CHOICE, EFFECTS, ZEROED, compiled, diagnosed, recording
-from tests.diagnose.sweeps import SWEEPS, made, nominal
 
 EXACT = 1e-9  # of the largest reading of a channel, in SI units; balances are found from the same start
 
@@ -207,26 +205,6 @@ def test_a_cause_in_both_recordings_is_the_machines_and_confirmed_by_both() -> N
     (step,) = [one for one in diagnosis.verdict.steps if one.accepted]
     assert step.confirmed_by == ("A", "B")
     assert diagnosis.verdict.held_out_by == "recording"
-
-
-def with_waves(campaign: Campaign) -> Campaign:
-    """Return a campaign of whose first run the current swings over the angle, as of a drive that rings in it."""
-    first, *others = campaign.runs
-    current = first.columns["current_2_a"] + np.sin(12 * first.columns["q_motor_2_rad"])
-    return replace(campaign, runs=(replace(first, columns={**first.columns, "current_2_a": current}), *others))
-
-
-def test_what_one_run_of_a_program_shows_each_time_is_not_the_machines() -> None:
-    """A drive that rings after each ramp was a transmission error at > 99.9 %, confirmed by 2 of 2 recordings."""
-    both = joined({name: with_waves(made(SWEEPS, seed)) for name, seed in (("A", 1), ("B", 2))})
-    choice = {name: catalogue()[name] for name in ("friction_ripple", "transmission_error", "coulomb_level")}
-    verdict = diagnose(both, nominal(), choice, most_bins=100, proposes=False).verdict
-    assert verdict.kind == "nothing found"
-    (step,) = verdict.steps
-    assert step.confirmed_by == ("A", "B"), "what repeats is confirmed by both"
-    assert not step.accepted
-    assert refused_text(step).startswith("Refused: friction depends on the angle (joint 2): ")
-    assert step.reason == "held-out runs do not become more probable"
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """What sits in a nest turns with the tool."""
 
+from pathlib import Path
+
 import mujoco
 import numpy as np
 import pytest
@@ -9,9 +11,9 @@ from bench.robot.folder import load_robot
 from bench.robot.turned_sites import TurnedSites
 
 
-@pytest.fixture(scope="module", params=["hh150", "emps"])
-def compiled(request: pytest.FixtureRequest) -> CompiledRobot:
-    return compile_robot(load_robot(request.param))
+@pytest.fixture(scope="module", params=["hh150", "small"])
+def compiled(request: pytest.FixtureRequest, small_robot: Path) -> CompiledRobot:
+    return compile_robot(load_robot(small_robot if request.param == "small" else request.param))
 
 
 def test_axes_of_a_site_are_those_of_mujoco(compiled: CompiledRobot) -> None:
@@ -19,6 +21,7 @@ def test_axes_of_a_site_are_those_of_mujoco(compiled: CompiledRobot) -> None:
     data, rng = mujoco.MjData(model), np.random.default_rng(1)
     theta = rng.uniform(-1, 1, (5, compiled.n_joints))
     offset = rng.normal(size=(len(at.reflectors), 3))
+    assert len(offset)
     moved = TurnedSites.reflectors_of(compiled).moved(theta, offset)
     for row, angles in zip(moved, theta, strict=True):
         data.qpos[at.theta] = angles

@@ -156,10 +156,12 @@ def held_out(linear: LinearisedModel, before: Fit, after: Fit, before_in: Linear
     one, two = (log_probability_of_folds(linear, tangent, folds) for tangent in tangents)
     figures = log_probability_of_figures(after, tangents[1], count) - log_probability_of_figures(before, tangents[0])
     rise = (two - one)[: folds.own]
-    weights, worth = _weights(len(rise)), _worth(rise, figures, folds.by)
+    weights = _weights(len(rise))
+    worth = _worth(rise, weights, figures, folds.by)
     if folds.by == "recording" and (states := folds_of_states(linear, changed)):
         before_it, after_it = (log_probability_of_folds(linear, tangent, states) for tangent in tangents)
-        worth = min(worth, _worth(after_it - before_it, figures, states.by), key=lambda one: one.low)
+        other = _worth(after_it - before_it, _weights(len(states)), figures, states.by)
+        worth = min(worth, other, key=lambda one: one.low)
     both = zip(designs, (before, after), tangents, strict=True)
     first, second = (errors_of_folds(own, fit, tangent, folds) for own, fit, tangent in both)
     return HeldOut(
@@ -186,9 +188,16 @@ class _Worth:
     by: Literal["recording", "run", "block"]
 
 
-def _worth(rise: Array, figures: float, by: Literal["recording", "run", "block"]) -> _Worth:
-    """Return what an extension is worth, of the rise of every fold, shape (K,), and of the stated figures."""
-    low, high = np.quantile(figures + len(rise) * _weights(len(rise)) @ rise, (LOW, HIGH))
+def _worth(rise: Array, weights: Array, figures: float, by: Literal["recording", "run", "block"]) -> _Worth:
+    """Return what an extension is worth.
+
+    Args:
+        rise: Shape (K,), of the log probability of every fold.
+        weights: Shape (draws, K), of the bootstrap.
+        figures: Rise of that of the stated figures.
+        by: What the folds are.
+    """
+    low, high = np.quantile(figures + len(rise) * weights @ rise, (LOW, HIGH))
     return _Worth(figures + float(np.sum(rise)), float(low), float(high), by)
 
 

@@ -40,7 +40,11 @@ def together(passages: Sequence[Array]) -> NDArray[np.int64]:
         passages: Shape (T, s) each, states in units of what counts as alike.
     """
     trees = [cKDTree(states) for states in passages]
-    meets = np.array([[passes_same(states, tree) for tree in trees] for states in passages])
+    low, high = (np.array([end(states, axis=0) for states in passages]) for end in (np.min, np.max))
+    meets = np.zeros((len(passages), len(passages)), dtype=bool)
+    for i, states in enumerate(passages):  # of those that pass by at all
+        for j in np.flatnonzero(np.all((low <= high[i] + 1) & (high >= low[i] - 1), axis=1)):
+            meets[i, j] = passes_same(states, trees[j])
     return np.asarray(connected_components(csr_array(meets), directed=False)[1], dtype=np.int64)
 
 

@@ -74,7 +74,7 @@ def nest_shift(k: int, axis: int, sites: TurnedSites) -> OnReading:
         axis: Of that body, 0 to 2.
         sites: Of all reflectors.
     """
-    along = np.zeros((len(sites.chains), 3))
+    along = np.zeros((sites.count, 3))
     along[k, axis] = 1.0
 
     def change(x: float, reading: Reading) -> Reading:

@@ -208,11 +208,14 @@ def step_text(step: Step) -> str:
     added = " with ".join(cause_name(cause) for cause in step.added)
     evidence, worth = (nats(value, sign=True, tenths=False) for value in (step.log_evidence, step.held_out))
     low, high = (nats(value, tenths=False) for value in (step.low, step.high))
-    left = step_left(step, MOST_CHANNELS)
-    if left:
-        left = f"{WITHOUT_AND_WITH}{', ' if step.of_recording else ': '}{left}"
-    more = (left, unconfirmed_text(step), confirmed_text(step))
+    more = (left_text(step, MOST_CHANNELS), unconfirmed_text(step), confirmed_text(step))
     return "; ".join(filter(None, (f"{added}: {evidence}, held out {worth} ({low} to {high})", *more)))
+
+
+def left_text(step: Step, most: int) -> str:
+    """Return `step_left` as a part of a line that says what both numbers are, "" where no channel becomes better."""
+    left = step_left(step, most)
+    return f"{WITHOUT_AND_WITH}{', ' if step.of_recording else ': '}{left}" if left else ""
 
 
 def unconfirmed_text(step: Step) -> str:

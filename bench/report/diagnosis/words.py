@@ -26,11 +26,12 @@ from bench.report.diagnosis.names import (
 from bench.report.diagnosis.numbers import percent
 from bench.report.diagnosis.sentences import (
     FLOOR,
-    WITHOUT_AND_WITH,
+    confirmed_text,
     contradicted_sentences,
     gain_sentence,
     gain_text,
     how_predicted,
+    left_text,
     open_names_sentence,
     proposal_text,
     rate_sentence,
@@ -39,7 +40,6 @@ from bench.report.diagnosis.sentences import (
     remainder_sentence,
     rest_sentence,
     scatter_sentence,
-    step_left,
     step_text,
     steps_sentence,
     unconfirmed_text,
@@ -52,8 +52,8 @@ BEST_CHANNELS = 4
 BEST_PROPOSALS = 2
 BEST_LIMITS = 5
 BEST_RIVALS = 3
-MOST_MOVED = 5  # figures that moved, on the terminal
-FOUND = "What was found, with 95 % intervals"
+MOST_REFUSED, MOST_MOVED = 3, 5  # findings that were given up, and figures that moved, on the terminal
+FOUND, NOTHING = "What was found, with 95 % intervals", "How sure that is"  # headings
 
 
 @dataclass(frozen=True)
@@ -111,9 +111,11 @@ def _first_of_all(verdict: Verdict) -> Iterator[str]:
 def _sections(verdict: Verdict, moved: Sequence[str]) -> Iterator[Section]:
     """Yield the sections of a verdict that have lines."""
     found = tuple(_found(verdict, {}))
+    refused = tuple(refused_text(step) for step in verdict.steps if not step.accepted)
     sections = (
-        Section(FOUND, found, tuple(_found(verdict, _worths(verdict)))),
+        Section(FOUND if verdict.findings else NOTHING, found, tuple(_found(verdict, _worths(verdict)))),
         Section("What each finding is worth", tuple(_selection(verdict))),
+        Section("What was refused", refused, _first(refused, MOST_REFUSED)),
         Section("What all of it is worth", tuple(_gain(verdict)), tuple(filter(None, (gain_sentence(verdict),)))),
         Section("Beside least squares", *2 * (tuple(baseline_lines(verdict)),)),
         Section("What is left, and what is promised of the next recording", tuple(_predicted(verdict))),
@@ -162,8 +164,8 @@ def _worths(verdict: Verdict) -> dict[int, str]:
     for i, group in enumerate(verdict.findings):
         causes = {(one.cause.effect, one.cause.place) for one in group.names}
         mine = [step for step in taken if causes & {(cause.effect, cause.place) for cause in step.added}]
-        if mine and (left := step_left(mine[0], 1)):
-            found[i] = f"{WITHOUT_AND_WITH}{', ' if mine[0].of_recording else ': '}{left}"
+        if mine and (worth := "; ".join(filter(None, (left_text(mine[0], 1), confirmed_text(mine[0]))))):
+            found[i] = worth
     return found
 
 
@@ -197,9 +199,6 @@ def _selection(verdict: Verdict) -> Iterator[str]:
         ruled_out = "; ".join(name_beside(rival, verdict.explanations[0]) for rival in verdict.rivals[:BEST_RIVALS])
         others = len(verdict.rivals) - BEST_RIVALS
         yield f"Fitted, and ruled out: {ruled_out}{f'; {others} more (rivals in {VERDICT})' if others > 0 else ''}."
-    for step in verdict.steps:
-        if not step.accepted:
-            yield refused_text(step)
 
 
 def _gain(verdict: Verdict) -> Iterator[str]:

@@ -6,10 +6,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bench.diagnose.verdict import ParameterValue, PredictedError
-from bench.report.diagnosis.names import cause_name, channel_name, error_text, meaning_of, parameter_text, place_name
+from bench.diagnose.verdict import NamedCause, ParameterValue, PredictedError, Unlisted
+from bench.report.diagnosis.names import (
+    cause_name,
+    cause_names,
+    channel_name,
+    error_text,
+    meaning_of,
+    name_beside,
+    parameter_text,
+    place_name,
+    unlisted_name,
+)
 from bench.report.diagnosis.numbers import gain_percent, percent, shown
-from tests.report.diagnosis.made import GAS
+from tests.report.diagnosis.made import GAS, MASS, WARM, ZERO, explanation
 
 ROUNDING = 0.0501  # of a step of which two digits are shown: half of the second one
 DOUBLE = 1e-14  # relative; no more digits are shown than a double has
@@ -128,3 +138,35 @@ def test_a_place_in_one_recording_is_named_with_it(place: str, name: str) -> Non
 )
 def test_names_of_runs_stay_whole(place: str, words: str) -> None:
     assert place_name(place) == words
+
+
+def test_one_cause_in_many_joints_is_named_once() -> None:
+    rubs = tuple(NamedCause("coulomb_level", "Coulomb level", f"joint {i}", ()) for i in (3, 1, 2))
+    zero = NamedCause("joint_zero", "zero of a joint", "joint 2", ())
+    assert cause_names((rubs[0], MASS, *rubs[1:], zero)) == [
+        "Coulomb level (joints 1, 2 and 3)",
+        "mass of a link (upper arm)",
+        "zero of a joint (joint 2)",
+    ]
+
+
+def test_a_channel_that_is_wrong_is_called_as_people_call_it() -> None:
+    assert cause_name(NamedCause("channel_scale", "scale", "current_5_a", ())) == "scale (motor current 5)"
+    assert cause_name(NamedCause("channel_delay", "delay", "tracker", ())) == "delay (tracker)"
+
+
+def test_a_rival_with_much_in_common_is_told_by_its_difference() -> None:
+    best = explanation((GAS, ZERO, MASS), 0.9, 90.0)
+    other = explanation((WARM, ZERO, MASS), 0.1, 88.0)
+    assert name_beside(other, best) == "the same with gas warmer or colder in place of loss of gas"
+    assert name_beside(explanation((GAS, ZERO), 0.0, 1.0), best) == "the same without mass of a link (upper arm)"
+    assert name_beside(best, explanation((GAS, ZERO), 0.0, 1.0)) == "the same with mass of a link (upper arm) too"
+    assert name_beside(explanation((WARM,), 0.1, 1.0), best) == "gas warmer or colder"
+    assert name_beside(best, best) == "loss of gas with zero of a joint (joint 2) with mass of a link (upper arm)"
+
+
+def test_on_a_slide_there_are_forces_and_positions() -> None:
+    force = ParameterValue("at_1", -10.2, -12.7, -7.7, "N", "at 0.035 m/s")
+    shape = Unlisted("joint 1", "link torque", "angle", (force,))
+    assert unlisted_name(shape) == "a force on the link of joint 1 that depends on position"
+    assert unlisted_name(replace(shape, parameters=(replace(force, unit="Nm"),))).startswith("a torque on the link")

@@ -7,17 +7,14 @@ import pytest
 
 from bench.diagnose.verdict import (
     DetectionLimit,
-    NamedCause,
     NoisyChannel,
-    ParameterValue,
     Proposal,
     RecordingGain,
     Step,
     UndetectableEffect,
-    Unlisted,
 )
 from bench.report.diagnosis.headline import headline
-from bench.report.diagnosis.names import cause_name, cause_names, name_beside, unlisted_name
+from bench.report.diagnosis.names import cause_name
 from bench.report.diagnosis.sentences import (
     confirmed_text,
     gain_sentence,
@@ -27,8 +24,8 @@ from bench.report.diagnosis.sentences import (
     step_text,
     undetectable_sentence,
 )
-from bench.report.diagnosis.words import MOST_MOVED, brief_words, places_of, words_of
-from tests.report.diagnosis.made import GAS, MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO, explanation
+from bench.report.diagnosis.words import places_of, words_of
+from tests.report.diagnosis.made import MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO, explanation
 
 
 def test_what_is_undetectable_in_some_recordings_is_a_sentence() -> None:
@@ -45,13 +42,6 @@ def test_two_causes_in_the_place_of_one_are_another_explanation() -> None:
     one = replace(VERDICTS["cause"], explanations=(*VERDICTS["cause"].explanations, other))
     assert headline(one) == "Loss of gas, or another explanation, which these data cannot tell apart."
     assert any("altogether: mass of a link (upper arm) with zero of a joint" in line for line in words_of(one))
-
-
-def test_on_a_slide_there_are_forces_and_positions() -> None:
-    force = ParameterValue("at_1", -10.2, -12.7, -7.7, "N", "at 0.035 m/s")
-    shape = Unlisted("joint 1", "link torque", "angle", (force,))
-    assert unlisted_name(shape) == "a force on the link of joint 1 that depends on position"
-    assert unlisted_name(replace(shape, parameters=(replace(force, unit="Nm"),))).startswith("a torque on the link")
 
 
 def test_a_cause_comes_with_its_worth_and_what_to_do() -> None:
@@ -97,55 +87,6 @@ def test_a_climb_is_told_step_by_step() -> None:
     assert f"{worth}, in recording may: motor current 2 0.612 -> 0.081 A" in lines_of_one
     assert any("without it -> with it, all else fitted both times" in line for line in lines)
     assert "  mass of a link (upper arm): +7, held out +81 (60 to 103)" in lines
-
-
-def test_the_terminal_shows_what_each_finding_is_worth_beside_it() -> None:
-    first = VERDICTS["cause"].steps[0]
-    steps = (first, replace(first, added=(MASS,), log_evidence=7.0, channels=(NO_GAIN,)))
-    both = replace(VERDICTS["cause"], steps=steps)
-    lines = list(brief_words(both))
-    (at,) = (
-        i for i, line in enumerate(lines) if line.endswith("without it -> with it: motor current 2 0.612 -> 0.081 A")
-    )
-    assert lines[at - 1].lstrip().startswith("lost 0.133"), "below the size of the finding"
-    assert not any("held out +81" in line for line in lines)
-    assert not any(line.startswith(("Refused", "Not looked for")) for line in lines)
-    assert lines[-1].startswith("More in verdict.txt and on the page: what each finding is worth; ")
-    assert len(" ".join(lines).split()) < len(" ".join(words_of(both)).split())
-
-
-def test_the_terminal_shows_the_first_of_many_figures_that_moved() -> None:
-    moved = [f"stiffness of joint{i}: +50 %" for i in range(1, MOST_MOVED + 3)]
-    lines = list(brief_words(NOTHING, moved))
-    assert [line for line in lines if line in moved] == moved[:MOST_MOVED]
-    assert "2 more" in lines
-    assert [line for line in words_of(NOTHING, moved) if line in moved] == moved
-    assert "figures that moved" not in list(brief_words(NOTHING, moved[:2]))[-1]
-
-
-def test_one_cause_in_many_joints_is_named_once() -> None:
-    rubs = tuple(NamedCause("coulomb_level", "Coulomb level", f"joint {i}", ()) for i in (3, 1, 2))
-    zero = NamedCause("joint_zero", "zero of a joint", "joint 2", ())
-    assert cause_names((rubs[0], MASS, *rubs[1:], zero)) == [
-        "Coulomb level (joints 1, 2 and 3)",
-        "mass of a link (upper arm)",
-        "zero of a joint (joint 2)",
-    ]
-
-
-def test_a_channel_that_is_wrong_is_called_as_people_call_it() -> None:
-    assert cause_name(NamedCause("channel_scale", "scale", "current_5_a", ())) == "scale (motor current 5)"
-    assert cause_name(NamedCause("channel_delay", "delay", "tracker", ())) == "delay (tracker)"
-
-
-def test_a_rival_with_much_in_common_is_told_by_its_difference() -> None:
-    best = explanation((GAS, ZERO, MASS), 0.9, 90.0)
-    other = explanation((WARM, ZERO, MASS), 0.1, 88.0)
-    assert name_beside(other, best) == "the same with gas warmer or colder in place of loss of gas"
-    assert name_beside(explanation((GAS, ZERO), 0.0, 1.0), best) == "the same without mass of a link (upper arm)"
-    assert name_beside(best, explanation((GAS, ZERO), 0.0, 1.0)) == "the same with mass of a link (upper arm) too"
-    assert name_beside(explanation((WARM,), 0.1, 1.0), best) == "gas warmer or colder"
-    assert name_beside(best, best) == "loss of gas with zero of a joint (joint 2) with mass of a link (upper arm)"
 
 
 def test_what_may_be_a_part_of_the_unlisted_cause_is_said_to_be() -> None:
