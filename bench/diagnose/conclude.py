@@ -121,7 +121,7 @@ def _findings(naming: Naming, near: Sequence[Model], fits: Sequence[Fit]) -> tup
         for model, fit in fitted:
             for own in model.causes:
                 if own.key == cause.key:
-                    return _named(own, fit)
+                    return named_cause(own, fit)
         return _titled(cause, ())
 
     is_one = len(recordings_of(naming.linear.segments)) < 2  # several confirm by themselves
@@ -163,7 +163,7 @@ def _step(finding: Finding) -> Step:
             "beside the others its evidence is no more than what chance, errors of what these are simulated to, or the "
             "scatter between runs brings about"
         )
-    named = (_named(finding.cause, finding.fit),)
+    named = (named_cause(finding.cause, finding.fit),)
     known = (finding.log_evidence, gain.nats, gain.low, gain.high, finding.is_taken, reason, gain.channels)
     is_of_machine = finding.cause.place.recording is None
     return Step(named, *known, finding.repeats, gain.recordings if is_of_machine else (), gain.of)
@@ -185,7 +185,7 @@ def _unlisted(naming: Naming, discrepancy: Discrepancy | None) -> Unlisted | Non
 def _explanation(
     model: Model, fit: Fit, shares: Mapping[frozenset[Hashable], float], findings: Sequence[AmbiguityGroup]
 ) -> Explanation:
-    causes = in_order((_named(cause, fit) for cause in model.causes), findings)
+    causes = in_order((named_cause(cause, fit) for cause in model.causes), findings)
     return Explanation(causes, model.probability, model.log_evidence, shares[model.keys], model.log_posterior)
 
 
@@ -200,7 +200,8 @@ def in_order(causes: Iterable[NamedCause], findings: Sequence[AmbiguityGroup]) -
     return tuple(sorted(causes, key=rank, reverse=True))
 
 
-def _named(cause: Cause, fit: Fit) -> NamedCause:
+def named_cause(cause: Cause, fit: Fit) -> NamedCause:
+    """Return a cause with the sizes that a fit gives it."""
     told = told_sizes(cause, fit)
     parameters = tuple(
         _parameter(u, float(value), float(sigma), is_told=told.get(u.parameter.name, True))

@@ -3,11 +3,10 @@
 from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 from threadpoolctl import threadpool_limits
 
-from bench.diagnose.conclude import unfinished_of, verdict_of
+from bench.diagnose.conclude import named_cause, unfinished_of, verdict_of
 from bench.diagnose.cross_validation.figures import changed_figures
 from bench.diagnose.cross_validation.held_out import PredictedError
 from bench.diagnose.cross_validation.next_recording import predicted_error
@@ -20,12 +19,12 @@ from bench.diagnose.explain import (
     beside_unknown_links,
     beyond_plausible,
     explained,
-    extension_of,
     is_open,
     measured_by,
     recorded_by,
 )
 from bench.diagnose.extend.fit import Fit
+from bench.diagnose.extension import extension_of
 from bench.diagnose.linearise.candidates import causes_of, unseen_of
 from bench.diagnose.linearise.contradicted import contradicted_readings
 from bench.diagnose.linearise.linearised_model import LinearisedModel
@@ -57,17 +56,21 @@ FALSE_ALARM_RATE = 0.01  # declared: of the whole catalogue at once, where the c
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
-    """A verdict with all that it rests on."""
+    """A verdict with all that it rests on.
+
+    Attributes:
+        linear: The campaign linearised about what was found.
+        naming: What the data say.
+        verdict: The same for people.
+        discrepancy: What became of what is not listed.
+        extension: The model with what was found, listed or learned; None where there is nothing to add.
+    """
 
     linear: LinearisedModel
     naming: Naming
     verdict: Verdict
     discrepancy: Discrepancy | None = None
-
-    @cached_property
-    def extension(self) -> Fit | None:
-        """The model with what was found, listed or learned; None where there is nothing to add."""
-        return extension_of(self.naming, self.discrepancy)
+    extension: Fit | None = None
 
 
 def diagnose(
@@ -148,12 +151,17 @@ def _concluded(task: Task, found: Explained, *, proposes: bool) -> Diagnosis:
         unfinished = unfinished_of(naming, str(stopped), task.progress.now)
     missing = unseen_of(task.catalogue.values(), measured_by(task.campaign))
     verdict = verdict_of(naming, task.rate, missing, signatures.unbalanced, found.gain, proposals, found.discrepancy)
+    if verdict.unlisted:
+        instead = tuple(named_cause(cause, found.fit) for cause in found.stand_ins)
+        verdict = replace(verdict, unlisted=replace(verdict.unlisted, stand_ins=instead))
     links = (one.robot.figures.uncertainty.links for one in (signatures.compiled, task.compiled))
     verdict = replace(verdict, blind=blind, predicted=predicted, unfinished=unfinished, baseline=found.baseline)
     slow = slow_motion(found.about.segments, found.about.quantities, found.about.replay.compiled.is_slide)
     contradicted = tuple(contradicted_readings(naming.linear, found.fit.residual))
     verdict = replace(verdict, changed=changed_figures(found.about, found.fit), slow=slow, contradicted=contradicted)
-    return Diagnosis(found.about, naming, replace(verdict, links=next(links) / next(links)), found.discrepancy)
+    verdict = replace(verdict, links=next(links) / next(links))
+    extension = found.extension or extension_of(naming, found.discrepancy)  # which an unfinished one does not have yet
+    return Diagnosis(found.about, naming, verdict, found.discrepancy, extension)
 
 
 def signatures_of(

@@ -9,11 +9,11 @@ import numpy as np
 from bench.diagnose.baseline.comparison import Baseline, baseline_of
 from bench.diagnose.conclude import unfinished_of
 from bench.diagnose.cross_validation.held_out import HeldOut, held_out
-from bench.diagnose.cross_validation.jackknife import with_jackknife
 from bench.diagnose.cross_validation.leave_out import REACH
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit
-from bench.diagnose.linearise.candidates import LARGER
+from bench.diagnose.extension import extension_of
+from bench.diagnose.linearise.candidates import LARGER, Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.linearise.signatures import Signatures
@@ -25,11 +25,10 @@ from bench.diagnose.name.naming import Naming
 from bench.diagnose.name.neighbourhood import Neighbourhood
 from bench.diagnose.name.selection import name_cause
 from bench.diagnose.replay.given import with_earlier
-from bench.diagnose.replay.instants import recordings_of
 from bench.diagnose.replay.known import with_known_segments
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import Segment, segments_of
-from bench.diagnose.verdict import CONFIRMED, Unfinished
+from bench.diagnose.verdict import Unfinished
 from bench.effects.effect import Effect
 from bench.effects.recorded import Recorded, recorded_in
 from bench.errors import NOT_SIMULATED, InputError
@@ -102,6 +101,13 @@ class Explained:
     def fit(self) -> Fit:
         """The model with what was found, or the nominal one."""
         return self.extension or self.naming.null
+
+    @property
+    def stand_ins(self) -> tuple[Cause, ...]:
+        """Listed causes of that model in the place of something unlisted, which it does not have."""
+        if self.naming.unlisted is None or (self.discrepancy and self.discrepancy.is_gain):
+            return ()
+        return tuple(cause for cause in self.fit.causes if cause.key not in self.naming.models[0].keys)
 
 
 def explained(
@@ -259,31 +265,6 @@ def _misfit(found: Explained) -> float:
     square = np.where(shown & (sigma > 0), left / np.where(sigma > 0, sigma, 1.0), np.nan) ** 2
     seen = [c for c in range(left.shape[1]) if np.any(np.isfinite(square[:, c]))]
     return float(np.mean([np.log(np.nanmean(square[:, c])) / 2 for c in seen])) if seen else 0.0
-
-
-def extension_of(naming: Naming, discrepancy: Discrepancy | None) -> Fit | None:
-    """Return the model with what was found, listed or learned; None where there is nothing to add.
-
-    What is handed over is fitted as it is handed over. A robot has no place for an error of its recording: what such
-    an error took of a misfit is missing there. Confirmed, it belongs to the channel; where most searches do not find it
-    again, what is left is fitted without it. Of several recordings the one that it is in has to be searched to find it.
-    """
-    if discrepancy and discrepancy.is_gain:
-        return discrepancy.fit
-    best = naming.models[0] if naming.models else None
-    if best is None or not best.causes:
-        return None
-    is_one = len(recordings_of(naming.linear.segments)) < 2
-    doubtful = {one.cause.key for one in naming.findings if is_one and one.repeats < CONFIRMED}
-    beside = best.listed_fit(naming.linear)  # what was fitted beside a shape that is not handed over
-    causes = tuple(one for one in beside.causes if one.effect.level == "machine" or one.key not in doubtful)
-    if best.shape is None and causes == beside.causes:
-        return best.fit
-    if not causes:
-        return None
-    known = beside if causes == beside.causes else None
-    alone = refit(naming.linear, causes, beside.start, beside.nuisances, known)
-    return with_jackknife(naming.linear, alone)
 
 
 def measured_by(campaign: Campaign) -> frozenset[str]:

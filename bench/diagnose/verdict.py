@@ -52,6 +52,8 @@ class Unlisted:
         words: The same for people.
         stands_out: Whether the 95 % band of the shape leaves out zero anywhere; if not, something is left that is too
             small to give a shape.
+        stand_ins: Listed causes that the robot that is handed over has in its place, with their sizes there: they are
+            not what it is, but predict better than nothing in its place.
     """
 
     place: str
@@ -61,6 +63,7 @@ class Unlisted:
     runs: bool = False
     words: str = ""
     stands_out: bool = True
+    stand_ins: tuple[NamedCause, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ import pytest
 from bench.diagnose.conclude import verdict_of
 from bench.diagnose.cross_validation.held_out import NOTICEABLE, HeldOut, held_out
 from bench.diagnose.diagnose import Diagnosis, diagnose
+from bench.diagnose.extension import extension_of
 from bench.diagnose.linearise.generic import ANGLE_NODES, Block, blocks_of
 from bench.diagnose.name import discrepancy as discrepancies
 from bench.diagnose.name.discrepancy import NOT_THERE, effect_of, learn
@@ -141,8 +142,7 @@ def test_a_shape_that_does_not_pay_is_refused(case: Case) -> None:
     block = _block(naming, "joint 2", "gear angle", "angle")
     again = learn(discrepancy.linear, block, discrepancy.fit)  # beside the truth there is nothing more to learn
     assert not again.is_gain
-    refused = replace(case.found, discrepancy=again)
-    assert refused.extension is None
+    assert extension_of(naming, again) is None
     drawn = learned_of(naming, again)
     assert drawn  # as the linearised model has it
     (curve,) = drawn.curves

@@ -8,9 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bench.diagnose import extension
+from bench.diagnose.cross_validation.held_out import HeldOut, held_out
 from bench.diagnose.diagnose import Diagnosis, diagnose
-from bench.diagnose.explain import extension_of
 from bench.diagnose.extend.fit import Fit
+from bench.diagnose.extend.refit import refit
+from bench.diagnose.extension import extension_of
+from bench.diagnose.linearise.generic import Block, blocks_of
+from bench.diagnose.name.candidate_model import with_shape
+from bench.diagnose.name.models import Model
+from bench.diagnose.name.naming import Naming
 from bench.diagnose.verdict import CONFIRMED
 from bench.effects.catalogue import catalogue
 from bench.hide.campaign import hide_campaign
@@ -56,3 +63,46 @@ def test_of_several_recordings_one_that_has_it_is_enough(diagnosis: Diagnosis) -
     findings = tuple(replace(one, repeats=0.0) for one in naming.findings)
     several: Any = SimpleNamespace(segments=[SimpleNamespace(recording=name) for name in ("may", "june")])
     assert "channel_delay" in names(extension_of(replace(naming, findings=findings, linear=several), None))
+
+
+def called_unlisted(naming: Naming, effect: str, shape: Block) -> Naming:
+    """Return a naming whose best model has a free shape in the place of one of its causes, and the old one behind."""
+    (model, linear) = (naming.models[0], naming.linear)
+    others = tuple(cause for cause in model.causes if cause.effect.name != effect)
+    fit = refit(with_shape(linear, shape), others, model.fit.start)
+    return replace(naming, models=(Model(fit, shape, log_posterior=model.log_posterior + 1), model))
+
+
+def speed_of_joint_1(naming: Naming) -> Block:
+    return next(
+        one for one in blocks_of(naming.linear) if (one.drive, one.kind, one.depends_on) == (0, "link torque", "speed")
+    )
+
+
+def test_listed_causes_stand_in_for_a_shape_that_no_model_has(diagnosis: Diagnosis) -> None:
+    """Of a real arm, friction of joint 1 was a torque over the speed, and the robot that was handed over had none."""
+    naming = diagnosis.naming
+    unlisted = called_unlisted(naming, "coulomb_level", speed_of_joint_1(naming))
+    assert {cause.effect.name for cause in unlisted.models[0].causes} == {"channel_delay"}
+    handed = extension_of(unlisted, None)
+    assert names(handed) == {"channel_delay", "coulomb_level"}
+    assert handed
+    assert handed.residual == pytest.approx(naming.models[0].fit.residual, nan_ok=True)
+
+
+def test_what_predicts_no_better_does_not_stand_in(diagnosis: Diagnosis, monkeypatch: pytest.MonkeyPatch) -> None:
+    naming = diagnosis.naming
+    unlisted = called_unlisted(naming, "coulomb_level", speed_of_joint_1(naming))
+
+    def no_gain(*args: Any) -> HeldOut:
+        return replace(held_out(*args), low=-1.0)
+
+    monkeypatch.setattr(extension, "held_out", no_gain)
+    assert names(extension_of(unlisted, None)) == {"channel_delay"}
+
+
+def test_an_error_of_the_recording_does_not_stand_in(diagnosis: Diagnosis) -> None:
+    """A robot has no place for it."""
+    naming = diagnosis.naming
+    unlisted = called_unlisted(naming, "channel_delay", speed_of_joint_1(naming))
+    assert names(extension_of(unlisted, None)) == {"coulomb_level"}

@@ -89,7 +89,7 @@ def folds_of(linear: LinearisedModel, changed: Array | None = None, only: str | 
     return Folds(inside.by, fold, gap, own=len(inside), of=names[alone])
 
 
-def folds_of_states(linear: LinearisedModel, changed: Array) -> Folds | None:
+def folds_of_states(linear: LinearisedModel, changed: Array | None = None) -> Folds | None:
     """Return folds of which each is what several recordings repeat, held out of all of them; None: they repeat nothing.
 
     Recordings by one program confirm whatever repeats with it, right or wrong: a drive that rings after each ramp is a
@@ -98,13 +98,14 @@ def folds_of_states(linear: LinearisedModel, changed: Array) -> Folds | None:
     Args:
         linear: The campaign.
         changed: Shape (m,), whitened change of the prediction by the extension; what one fold alone shows cannot be
-            held out so.
+            held out so. None: there is none.
     """
     group = runs_together(linear.segments)
     count = max(group.values()) + 1
     if count == len(group) or len(recordings_of(linear.segments)) == 1:
         return None
-    power = _sums(np.array([group[run] for run in linear.runs])[linear.run_of], changed**2, count)
+    of_row = np.array([group[run] for run in linear.runs])[linear.run_of]
+    power = np.ones(count) if changed is None else _sums(of_row, changed**2, count)
     if np.max(power) > ALONE * power.sum():
         return None
     return _of_runs(at_each_instant(linear.segments, [group[segment.run] for segment in linear.segments]), power)

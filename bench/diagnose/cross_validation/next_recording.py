@@ -1,7 +1,7 @@
 """What a fitted model will leave of a recording that nobody has made yet: an interval for each channel."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from scipy.special import stdtrit
 
-from bench.diagnose.cross_validation.folds import Folds, folds_of
+from bench.diagnose.cross_validation.folds import Folds, folds_of, folds_of_states
 from bench.diagnose.cross_validation.held_out import HIGH, SEED, PredictedError
 from bench.diagnose.cross_validation.leave_out import errors_of_folds, tangent_of
 from bench.diagnose.cross_validation.moderated import moderated
@@ -37,6 +37,8 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
     A campaign of one run is cut into blocks that stand for runs. Another motion passes other places: blocks that pass
     the same ones, there and back, are held out together, and each is predicted by the half of the run that is farthest
     from it. Of several recordings, each stands for a run, and what is its own (the zero of an encoder) is fitted to it.
+    Where they repeat a program, that says nothing of another one: what they repeat is held out of all of them too, and
+    the interval reaches as high as that says.
 
     How far two recordings differ in what is their own, no model can tell. So what drifts from one to the next
     (`effects/drifts.py`) comes on top of the squares: torque constants and viscous friction by the temperature of the
@@ -47,7 +49,22 @@ def predicted_error(linear: LinearisedModel, fit: Fit) -> tuple[PredictedError, 
         linear: The campaign.
         fit: The model.
     """
-    folds = apart(linear, folds_of(linear))
+    promised = _promised(linear, fit, apart(linear, folds_of(linear)))
+    states = folds_of_states(linear)
+    if states is None:
+        return promised
+    elsewhere = {(one.channel, one.kind): one for one in _promised(linear, fit, states)}
+    return tuple(_as_high(one, elsewhere[one.channel, one.kind]) for one in promised)
+
+
+def _as_high(one: PredictedError, other: PredictedError) -> PredictedError:
+    """Return an interval that reaches as high as another one of the same channel."""
+    high, fitted_high = np.fmax([one.high, one.fitted_high], [other.high, other.fitted_high]).tolist()
+    return replace(one, high=high, fitted_high=fitted_high)
+
+
+def _promised(linear: LinearisedModel, fit: Fit, folds: Folds) -> tuple[PredictedError, ...]:
+    """Return what is to be expected of one more fold."""
     of_campaign = np.array([not nuisance.is_simulated for nuisance in linear.nuisances], dtype=bool)
     error = errors_of_folds(linear, fit, tangent_of(linear, fit), folds, unknown=of_campaign)
     drifts = {**changes_of(linear, fit, "drifts"), **errors_found(linear, fit, _is_not_handed_over)}

@@ -151,11 +151,10 @@ def readings_of(diagnosis: Diagnosis) -> Readings:
 
 
 def _comparison(diagnosis: Diagnosis, measured: Array) -> _Comparison:
-    linear, naming = diagnosis.linear, diagnosis.naming
+    linear, naming, unlisted = diagnosis.linear, diagnosis.naming, diagnosis.verdict.unlisted
     fit = diagnosis.extension or naming.null
-    learned = (
-        None if diagnosis.discrepancy and diagnosis.discrepancy.is_gain else learned_of(naming)
-    )  # else the fit has it
+    has_it = (diagnosis.discrepancy and diagnosis.discrepancy.is_gain) or (unlisted and unlisted.stand_ins)
+    learned = None if has_it else learned_of(naming)
     change = np.zeros_like(measured)  # by the listed causes
     if fit.causes:
         world = fit.world(linear)

@@ -9,7 +9,7 @@ from bench.diagnose.cross_validation.held_out import NOTICEABLE
 from bench.diagnose.experiment_design.propose import NONE
 from bench.diagnose.replay.quantities import LOADS
 from bench.diagnose.verdict import UNLIKELY, ChannelGain, Proposal, Step, UndetectableEffect, Verdict
-from bench.report.diagnosis.names import cause_name, channel_name, effect_at, listed, unlisted_name
+from bench.report.diagnosis.names import cause_name, cause_names, channel_name, effect_at, listed, unlisted_name
 from bench.report.diagnosis.numbers import LEAST_WIDER, gain_percent, nats, percent, shown, unit_name
 
 CLEARLY = 0.05  # gain of a channel by one step that is worth a word
@@ -148,19 +148,29 @@ def gain_text(gain: ChannelGain) -> str:
 
 
 def remainder_sentence(verdict: Verdict) -> str:
-    """Return that something is left without a shape, or that no model has it; "" where that is not so."""
-    unlisted = verdict.unlisted
-    if unlisted and unlisted.stands_out and not unlisted.runs and verdict.findings:
-        return (
-            f"The robot that is handed over lacks what is unlisted, {unlisted_name(unlisted)}. It is fitted without "
-            "that, so its figures (figures.csv) are not the sizes above, which are those beside it."
-        )
-    if unlisted is None or unlisted.stands_out:
+    """Return that something is left without a shape, or what is handed over where no model has it; "" for neither."""
+    unlisted, sentences = verdict.unlisted, []
+    if unlisted is None:
         return ""
-    return (
-        f"Something is left that is too small to give a shape: nearest to it comes {unlisted_name(unlisted)}, whose "
-        "95 % band holds zero everywhere."
-    )
+    if not unlisted.stands_out:
+        sentences.append(
+            f"Something is left that is too small to give a shape: nearest to it comes {unlisted_name(unlisted)}, "
+            "whose 95 % band holds zero everywhere."
+        )
+    elif not unlisted.runs and (verdict.findings or unlisted.stand_ins):
+        sentences.append(f"The robot that is handed over lacks what is unlisted, {unlisted_name(unlisted)}.")
+        if not unlisted.stand_ins:
+            sentences.append(
+                "It is fitted without that, so its figures (figures.csv) are not the sizes above, which are those "
+                "beside it."
+            )
+    if unlisted.stand_ins:
+        names = listed(cause_names(unlisted.stand_ins), "and")
+        sentences.append(
+            f"In its place the robot that is handed over has {names}: not what acts there, but surely better on what "
+            "was held out than nothing. It is fitted with that, so its figures (figures.csv) are not the sizes above."
+        )
+    return " ".join(sentences)
 
 
 def rest_share(verdict: Verdict) -> float:

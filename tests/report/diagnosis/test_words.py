@@ -25,7 +25,7 @@ from bench.report.diagnosis.sentences import (
     undetectable_sentence,
 )
 from bench.report.diagnosis.words import places_of, words_of
-from tests.report.diagnosis.made import MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO, explanation
+from tests.report.diagnosis.made import GAS, MASS, NO_GAIN, NOTHING, VERDICTS, WARM, ZERO, explanation
 
 
 def test_what_is_undetectable_in_some_recordings_is_a_sentence() -> None:
@@ -277,3 +277,15 @@ def test_a_robot_that_lacks_what_is_unlisted_is_said_to_have_other_sizes() -> No
     for runs in (False, True):
         text = "\n".join(words_of(replace(beside, unlisted=replace(beside.unlisted, runs=runs))))
         assert (words in text) != runs
+
+
+def test_what_stands_in_for_something_unlisted_is_said() -> None:
+    alone, beside = VERDICTS["unlisted"], VERDICTS["unlisted beside a listed one"]
+    words = "In its place the robot that is handed over has loss of gas: not what acts there"
+    for verdict in (alone, beside):
+        assert verdict.unlisted
+        assert words not in "\n".join(words_of(verdict))
+        with_one = replace(verdict, unlisted=replace(verdict.unlisted, stand_ins=(GAS,)))
+        text = "\n".join(words_of(with_one))
+        assert words in text
+        assert "The robot that is handed over lacks what is unlisted" in text

@@ -1,0 +1,60 @@
+"""The model that is handed over: what was found, as a robot can have it."""
+
+from bench.diagnose.cross_validation.held_out import held_out
+from bench.diagnose.cross_validation.jackknife import with_jackknife
+from bench.diagnose.extend.fit import Fit
+from bench.diagnose.extend.refit import refit
+from bench.diagnose.name.discrepancy import Discrepancy
+from bench.diagnose.name.models import likeliest
+from bench.diagnose.name.naming import Naming
+from bench.diagnose.replay.instants import recordings_of
+from bench.diagnose.verdict import CONFIRMED
+
+
+def extension_of(naming: Naming, discrepancy: Discrepancy | None) -> Fit | None:
+    """Return the model with what was found, listed or learned; None where there is nothing to add.
+
+    What is handed over is fitted as it is handed over. A robot has no place for an error of its recording: what such
+    an error took of a misfit is missing there. Confirmed, it belongs to the channel; where most searches do not find it
+    again, what is left is fitted without it. Of several recordings the one that it is in has to be searched to find it.
+    Listed causes may stand in the place of a shape that no model runs with (`standing_in`).
+    """
+    if discrepancy and discrepancy.is_gain:
+        return discrepancy.fit
+    best = naming.models[0] if naming.models else None
+    if best is None or not best.keys:
+        return None
+    is_one = len(recordings_of(naming.linear.segments)) < 2
+    doubtful = {one.cause.key for one in naming.findings if is_one and one.repeats < CONFIRMED}
+    beside = best.listed_fit(naming.linear)  # what was fitted beside a shape that is not handed over
+    causes = tuple(one for one in beside.causes if one.effect.level == "machine" or one.key not in doubtful)
+    if best.shape is None and causes == beside.causes:
+        return best.fit
+    alone = None
+    if causes:
+        known = beside if causes == beside.causes else None
+        alone = with_jackknife(naming.linear, refit(naming.linear, causes, beside.start, beside.nuisances, known))
+    return standing_in(naming, alone) if best.shape else alone
+
+
+def standing_in(naming: Naming, fit: Fit | None) -> Fit | None:
+    """Return the likeliest model of listed causes alone, where it predicts surely better than a fit; else that fit.
+
+    They are not what acts there, but predict it. A torque over the speed holds what Coulomb friction and a little more
+    do: of a real arm the robot without either left 10 Nm of 41, and the model of listed causes that had fallen behind
+    by 70 nats of 4500 leaves 4. Errors of a recording stay those of the best model: a robot has no place for others.
+
+    Args:
+        naming: What the data say, with a free shape that is not handed over.
+        fit: Of the listed causes of the best model, without the shape; None: there are none.
+    """
+    mine = naming.models[0].keys
+    rivals = [
+        model
+        for model in naming.models
+        if model.shape is None and all(cause.effect.level == "machine" or cause.key in mine for cause in model.causes)
+    ]
+    before = fit or naming.null
+    if not rivals or (best := likeliest(rivals).fit).log_evidence <= before.log_evidence:
+        return fit
+    return with_jackknife(naming.linear, best) if held_out(naming.linear, before, best).predicts_better else fit
