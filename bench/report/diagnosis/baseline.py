@@ -119,7 +119,9 @@ def behind_sentence(verdict: Verdict) -> str:
         f"{_rival(name)} leaves less on drive{'s' * (len(drives) > 1)} {listed(drives, 'and')}"
         for name, drives in behind.items()
     ]
-    return f"{capital(listed(which, 'and'))}, which chance may bring about over so little that was held out."
+    assert verdict.baseline
+    held = f"{verdict.baseline.folds} {verdict.baseline.by}s that were held out one by one"
+    return f"{capital(listed(which, 'and'))}; over {held} that is not beyond chance."
 
 
 def _rival(name: str) -> str:
