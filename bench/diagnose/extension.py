@@ -4,8 +4,10 @@ from bench.diagnose.cross_validation.held_out import held_out
 from bench.diagnose.cross_validation.jackknife import with_jackknife
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.extend.refit import refit
+from bench.diagnose.linearise.candidates import Cause
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.name.discrepancy import Discrepancy
-from bench.diagnose.name.models import likeliest
+from bench.diagnose.name.models import Model, likeliest
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.replay.instants import recordings_of
 from bench.diagnose.verdict import CONFIRMED
@@ -24,17 +26,13 @@ def extension_of(naming: Naming, discrepancy: Discrepancy | None) -> Fit | None:
     best = naming.models[0] if naming.models else None
     if best is None or not best.keys:
         return None
-    is_one = len(recordings_of(naming.linear.segments)) < 2
+    linear, is_one = naming.linear, len(recordings_of(naming.linear.segments)) < 2
     doubtful = {one.cause.key for one in naming.findings if is_one and one.repeats < CONFIRMED}
-    beside = best.listed_fit(naming.linear)  # what was fitted beside a shape that is not handed over
-    causes = tuple(one for one in beside.causes if one.effect.level == "machine" or one.key not in doubtful)
-    if best.shape is None and causes == beside.causes:
+    causes = tuple(one for one in best.causes if one.effect.level == "machine" or one.key not in doubtful)
+    if best.shape is None and causes == best.causes:
         return best.fit
-    alone = None
-    if causes:
-        known = beside if causes == beside.causes else None
-        alone = with_jackknife(naming.linear, refit(naming.linear, causes, beside.start, beside.nuisances, known))
-    return standing_in(naming, alone) if best.shape else alone
+    fit = _fit_of(linear, best, causes)
+    return standing_in(naming, fit) if best.shape else fit
 
 
 def standing_in(naming: Naming, fit: Fit | None) -> Fit | None:
@@ -42,19 +40,29 @@ def standing_in(naming: Naming, fit: Fit | None) -> Fit | None:
 
     They are not what acts there, but predict it. A torque over the speed holds what Coulomb friction and a little more
     do: of a real arm the robot without either left 10 Nm of 41, and the model of listed causes that had fallen behind
-    by 70 nats of 4500 leaves 4. Errors of a recording stay those of the best model: a robot has no place for others.
+    by 70 nats of 4500 leaves 4. Errors of a recording are those of the fit: a robot has no place for others.
 
     Args:
         naming: What the data say, with a free shape that is not handed over.
         fit: Of the listed causes of the best model, without the shape; None: there are none.
     """
-    mine = naming.models[0].keys
-    rivals = [
-        model
-        for model in naming.models
-        if model.shape is None and all(cause.effect.level == "machine" or cause.key in mine for cause in model.causes)
-    ]
-    before = fit or naming.null
-    if not rivals or (best := likeliest(rivals).fit).log_evidence <= before.log_evidence:
+    rivals = [model for model in naming.models if model.shape is None]
+    if not rivals:
         return fit
-    return with_jackknife(naming.linear, best) if held_out(naming.linear, before, best).predicts_better else fit
+    rival, mine = likeliest(rivals), {cause.key for cause in fit.causes} if fit else set()
+    causes = tuple(one for one in rival.causes if one.effect.level == "machine" or one.key in mine)
+    if {cause.key for cause in causes} <= mine:
+        return fit
+    other, before = _fit_of(naming.linear, rival, causes), fit or naming.null
+    return other if other and held_out(naming.linear, before, other).predicts_better else fit
+
+
+def _fit_of(linear: LinearisedModel, model: Model, causes: tuple[Cause, ...]) -> Fit | None:
+    """Return a fit of some of the listed causes of a model alone; None of none."""
+    if not causes:
+        return None
+    if model.shape is None and causes == model.causes:
+        return with_jackknife(linear, model.fit)
+    beside = model.listed_fit(linear)
+    known = beside if causes == beside.causes else None
+    return with_jackknife(linear, refit(linear, causes, beside.start, beside.nuisances, known))

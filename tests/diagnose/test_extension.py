@@ -65,10 +65,10 @@ def test_of_several_recordings_one_that_has_it_is_enough(diagnosis: Diagnosis) -
     assert "channel_delay" in names(extension_of(replace(naming, findings=findings, linear=several), None))
 
 
-def called_unlisted(naming: Naming, effect: str, shape: Block) -> Naming:
-    """Return a naming whose best model has a free shape in the place of one of its causes, and the old one behind."""
+def called_unlisted(naming: Naming, shape: Block, *effects: str) -> Naming:
+    """Return a naming whose best model has a free shape in the place of some causes, and the old one behind."""
     (model, linear) = (naming.models[0], naming.linear)
-    others = tuple(cause for cause in model.causes if cause.effect.name != effect)
+    others = tuple(cause for cause in model.causes if cause.effect.name not in effects)
     fit = refit(with_shape(linear, shape), others, model.fit.start)
     return replace(naming, models=(Model(fit, shape, log_posterior=model.log_posterior + 1), model))
 
@@ -82,7 +82,7 @@ def speed_of_joint_1(naming: Naming) -> Block:
 def test_listed_causes_stand_in_for_a_shape_that_no_model_has(diagnosis: Diagnosis) -> None:
     """Of a real arm, friction of joint 1 was a torque over the speed, and the robot that was handed over had none."""
     naming = diagnosis.naming
-    unlisted = called_unlisted(naming, "coulomb_level", speed_of_joint_1(naming))
+    unlisted = called_unlisted(naming, speed_of_joint_1(naming), "coulomb_level")
     assert {cause.effect.name for cause in unlisted.models[0].causes} == {"channel_delay"}
     handed = extension_of(unlisted, None)
     assert names(handed) == {"channel_delay", "coulomb_level"}
@@ -92,7 +92,7 @@ def test_listed_causes_stand_in_for_a_shape_that_no_model_has(diagnosis: Diagnos
 
 def test_what_predicts_no_better_does_not_stand_in(diagnosis: Diagnosis, monkeypatch: pytest.MonkeyPatch) -> None:
     naming = diagnosis.naming
-    unlisted = called_unlisted(naming, "coulomb_level", speed_of_joint_1(naming))
+    unlisted = called_unlisted(naming, speed_of_joint_1(naming), "coulomb_level")
 
     def no_gain(*args: Any) -> HeldOut:
         return replace(held_out(*args), low=-1.0)
@@ -101,8 +101,9 @@ def test_what_predicts_no_better_does_not_stand_in(diagnosis: Diagnosis, monkeyp
     assert names(extension_of(unlisted, None)) == {"channel_delay"}
 
 
-def test_an_error_of_the_recording_does_not_stand_in(diagnosis: Diagnosis) -> None:
-    """A robot has no place for it."""
+@pytest.mark.parametrize("gone", [("channel_delay",), ("channel_delay", "coulomb_level")])
+def test_an_error_of_the_recording_does_not_stand_in(diagnosis: Diagnosis, gone: tuple[str, ...]) -> None:
+    """A robot has no place for it. Beside it, friction of the machine does: a real arm's current had another scale."""
     naming = diagnosis.naming
-    unlisted = called_unlisted(naming, "channel_delay", speed_of_joint_1(naming))
+    unlisted = called_unlisted(naming, speed_of_joint_1(naming), *gone)
     assert names(extension_of(unlisted, None)) == {"coulomb_level"}
