@@ -132,15 +132,17 @@ class HeldOut:
         """Whether what was held out becomes more probable, whichever runs one happened to make."""
         return self.low > NOTICEABLE
 
-    @property
-    def predicts_better(self) -> bool:
+    def predicts_better(self, most_lost: float) -> bool:
         """Whether some channel that was poor gets better besides, and none surely worse.
 
         What was stated of the robot is no reason to believe what stands for something unlisted. Where others are seven
         times better, some channels lose 0.01 %.
+
+        Args:
+            most_lost: Log probability that the readings of a channel may lose for sure [nats].
         """
         is_better = any(one.low > 0 and one.before > one.floor for one in self.channels)
-        return self.is_gain and is_better and not any(one.lost > NOTICEABLE for one in self.channels)
+        return self.is_gain and is_better and not any(one.lost > most_lost for one in self.channels)
 
 
 def held_out(linear: LinearisedModel, before: Fit, after: Fit, before_in: LinearisedModel | None = None) -> HeldOut:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.diagnose.cross_validation.held_out import held_out
+from bench.diagnose.cross_validation.held_out import NOTICEABLE, held_out
 from bench.diagnose.cross_validation.jackknife import with_jackknife
 from bench.diagnose.extend.fit import Fit, Key, pseudo_residual
 from bench.diagnose.extend.refit import refit
@@ -121,7 +121,7 @@ def learn(linear: LinearisedModel, block: Block, beside: Fit) -> Discrepancy:
             break
         linear = raised(linear, factors)
     gain = held_out(linear, without, fit)
-    if gained <= 0 or not gain.predicts_better:
+    if gained <= 0 or not gain.predicts_better(NOTICEABLE):
         return Discrepancy(linear, fit, False, REFUSED)
     is_in_model = type(fit.causes[-1].effect).edit is not Effect.edit
     return Discrepancy(linear, with_jackknife(linear, fit), True, IN_MODEL if is_in_model else IN_READINGS)
