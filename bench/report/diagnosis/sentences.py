@@ -167,8 +167,9 @@ def remainder_sentence(verdict: Verdict) -> str:
     if unlisted.stand_ins:
         names = listed(cause_names(unlisted.stand_ins), "and")
         sentences.append(
-            f"In its place the robot that is handed over has {names}: not what acts there, but surely better on what "
-            "was held out than nothing. It is fitted with that, so its figures (figures.csv) are not the sizes above."
+            f"In its place the robot that is handed over has {names}: not all that acts there, but it surely predicts "
+            "what was held out better than nothing. It is fitted with that, so its figures (figures.csv) are not the "
+            "sizes above."
         )
     return " ".join(sentences)
 

@@ -281,7 +281,7 @@ def test_a_robot_that_lacks_what_is_unlisted_is_said_to_have_other_sizes() -> No
 
 def test_what_stands_in_for_something_unlisted_is_said() -> None:
     alone, beside = VERDICTS["unlisted"], VERDICTS["unlisted beside a listed one"]
-    words = "In its place the robot that is handed over has loss of gas: not what acts there"
+    words = "In its place the robot that is handed over has loss of gas: not all that acts there"
     for verdict in (alone, beside):
         assert verdict.unlisted
         assert words not in "\n".join(words_of(verdict))
