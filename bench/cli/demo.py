@@ -44,5 +44,5 @@ class Demo:
             print(f"\nHidden: {one.acting} ({one.size / one.limit:.0f} times what this session can just see)")
         print(judgement(demo.outcome))
         print(f"\nDiagnosis  {out / 'diagnosis'}\nCampaign   {out / 'campaign'}\nTruth      {out / 'truth'}")
-        print(f"Again with `bench demo --seed {seed}`, or another one with `bench demo`.")
+        print(f"Again with `bench demo --seed {seed} -o FOLDER`, or another one with `bench demo`.")
         return 0

@@ -1,6 +1,6 @@
 """Campaign folders of one machine, read, checked against their robot, and joined."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -101,13 +101,26 @@ def open_joint(folders: Sequence[Path], robot: str | Robot) -> CheckedCampaign:
         RobotError: The robot is unknown or broken.
     """
     opened = open_all(folders, robot)
-    first, *others = opened.robots
-    for folder, other in zip(folders[1:], others, strict=True):
-        if other.robot.folder.resolve() != first.robot.folder.resolve():
-            raise CampaignError(
-                f"{folder} names the robot {other.robot.folder}, {folders[0]} {first.robot.folder}: give campaigns "
-                "of one machine, or the robot to take with --robot"
-            )
+    first = expect_one_robot(dict(zip(folders, opened.robots, strict=True)))
     named = next(iter(opened.campaigns.values())).robot  # the same folder may be named in several ways
     campaigns = {name: replace(campaign, robot=named) for name, campaign in opened.campaigns.items()}
     return CheckedCampaign(joined(campaigns), first, opened.warnings, opened.doubts)
+
+
+def expect_one_robot(robots: Mapping[Path, CompiledRobot]) -> CompiledRobot:
+    """Return the robot of campaigns.
+
+    Args:
+        robots: Folder of a campaign -> its robot.
+
+    Raises:
+        CampaignError: They are of several.
+    """
+    (folder, first), *others = robots.items()
+    for other, robot in others:
+        if robot.robot.folder.resolve() != first.robot.folder.resolve():
+            raise CampaignError(
+                f"{other} names the robot {robot.robot.folder}, {folder} {first.robot.folder}: give campaigns of one "
+                "machine, or the robot to take with --robot"
+            )
+    return first

@@ -95,6 +95,19 @@ def test_the_same_campaign_twice_is_refused(campaigns: tuple[Path, Path], capsys
         assert "is given twice" in capsys.readouterr().err
 
 
+def test_a_recording_of_another_robot_is_not_predicted(
+    campaigns: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An arm of three joints predicted one of six by 358 Nm, without a word, and the other way round ended in SciPy."""
+    write_emps(tmp_path / "emps.csv", np.random.default_rng(3), seconds=3.0)
+    assert main(["convert", "emps", str(tmp_path / "emps.csv"), "-o", str(tmp_path / "emps")]) == 0
+    one, other = str(campaigns[0]), str(tmp_path / "emps")
+    for fitted, held_out in ((one, other), (other, one)):
+        capsys.readouterr()
+        assert main(["identify", fitted, "--method", "dynamics", "--held-out", held_out]) == 3
+        assert "give campaigns of one machine" in capsys.readouterr().err
+
+
 def test_failed_checks_come_first(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A campaign that `bench check` fails was fitted without a word: 2144 Nm of friction for an arm of 3 kg."""
     write_emps(tmp_path / "emps.csv", np.random.default_rng(3), seconds=3.0)

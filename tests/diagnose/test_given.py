@@ -13,11 +13,12 @@ from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause, causes_of
 from bench.diagnose.linearise.linearised_model import LinearisedModel, fit
 from bench.diagnose.linearise.nominal_model import linearised_model_of
-from bench.diagnose.replay.given import EARLIER, Posterior, given_by, with_earlier
-from bench.diagnose.replay.nuisances import nuisances_of
+from bench.diagnose.replay.given import EARLIER, Posterior, PosteriorParameter, given_by, with_earlier
+from bench.diagnose.replay.nuisances import Nuisance, nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
+from bench.effects.drifts import DAY_K, VISCOUS
 from bench.effects.effect import WHOLE, Acting
 from bench.effects.payloads import carrying_nothing
 from bench.errors import RobotError
@@ -79,9 +80,7 @@ def test_two_campaigns_in_a_row_are_both_at_once(robot: CompiledRobot, tmp_path:
     assert "anew" in {nuisance.between for nuisance in first.nuisances}
     known = np.linalg.inv(first.jacobian.T @ first.jacobian + np.eye(len(names)))[np.ix_(shared, shared)]
     # the next recording has as much of what drifts anew as this one had: torque constants a percent, zeros a half
-    kept = np.array(
-        [1 / (1 + (one.own / one.sigma) ** 2) if one.edit else 1 - (one.own / one.sigma) ** 2 for one in own]
-    )
+    kept = np.array([1 - (one.own / one.sigma) ** 2 for one in own])
     known = np.outer(kept, kept) * known + np.diag(1 - kept**2)
     information = np.eye(len(names))
     information[np.ix_(shared, shared)] = np.linalg.inv(known)
@@ -117,6 +116,25 @@ def test_a_finding_is_background_the_next_time(robot: CompiledRobot, tmp_path: P
     # what a finding is less sure of may leave combinations less sure than the figures state; that much is cut off
     stated = np.linalg.eigvalsh(np.linalg.inv(read_posterior(tmp_path / "robot").covariance))[0]
     np.testing.assert_allclose(np.sqrt(covariance[-1, -1]), found.sigma[0], rtol=max(1e-6, 1 - stated))
+
+
+@pytest.mark.parametrize("day", [-0.054, 0.302])
+def test_friction_of_another_day_is_expected(robot: CompiledRobot, day: float) -> None:
+    """The robot has what friction was in its last recording. Three days of a machine: -5.4, +30.2 and -5.2 %.
+
+    With 5 %, as stated of all days, the third was a fault of 27 % at > 99.9 %.
+    """
+    viscous = Nuisance("viscous friction of J1", "", 0.05, edit=lambda x: lambda spec, robot: None, between="drifts")
+    viscous = replace(viscous, own=VISCOUS * DAY_K)
+    knew = Posterior((PosteriorParameter(viscous.name, "", 0.05, day, before=0.0),), np.array([[0.81]]))
+    (found,) = given_by(knew, [viscous], robot).nuisances
+    assert found.sigma == pytest.approx(np.hypot(0.9 * 0.05, 2**0.5 * 0.15))
+    assert abs(-0.052 - 0.302) < 2 * found.sigma
+    assert found.said_before == ()
+    assert found.earlier
+    assert found.earlier.found == day
+    assert found.earlier.expected == pytest.approx(found.sigma)
+    assert found.earlier.known == pytest.approx(0.9 * 0.05)
 
 
 def test_what_was_found_before_is_not_found_again(robot: CompiledRobot, tmp_path: Path) -> None:

@@ -76,6 +76,10 @@ def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: Comp
             mine = own.get((one.name, one.unit))
             if mine is None or found[mine].earlier:
                 continue
+            if nuisances[mine].drifts_besides:
+                day = float(np.sqrt(posterior.covariance[i, i])) * one.sigma
+                found[mine] = _on_another_day(one, nuisances[mine], day)
+                continue
             found[mine] = _after(one, found[mine], np.inf)
             if nuisances[mine].lasting > 0:
                 which.append(i)
@@ -120,6 +124,20 @@ def _after(one: PosteriorParameter, nuisance: Nuisance, known: float, expected: 
     off = nuisance.off_by(one.found / one.sigma) if nuisance.is_factor else one.found
     left = Earlier(one.before, known * nuisance.sigma, expected * nuisance.sigma, one.is_share)
     return replace(nuisance, earlier=replace(left, found=left.total(off)))
+
+
+def _on_another_day(one: PosteriorParameter, nuisance: Nuisance, known: float) -> Nuisance:
+    """Return a figure that drifts by more than is stated of it, such as friction, as the next recording may have it.
+
+    The robot has what it was on the day of the recording that was diagnosed, so it differs by the drifts of both days.
+
+    Args:
+        one: As the earlier diagnosis has it.
+        nuisance: As it may be off in this one, without its drift.
+        known: Standard deviation with which it was known, in its unit.
+    """
+    sigma = float(np.sqrt(known**2 + 2 * nuisance.own**2))
+    return replace(_after(one, nuisance, known / nuisance.sigma, sigma / nuisance.sigma), sigma=sigma)
 
 
 def _of_found_friction(posterior: Posterior, nuisances: Sequence[Nuisance]) -> list[Nuisance]:

@@ -137,6 +137,11 @@ class Nuisance:
         return factor_of(deviation, self.sigma) - 1 if self.is_factor else max(deviation, self.least)
 
     @property
+    def drifts_besides(self) -> bool:
+        """Whether it is a figure of the robot whose drift is none of what is stated of it."""
+        return self.edit is not None and self.own > 0
+
+    @property
     def lasting(self) -> float:
         """Standard deviation of what is the same in all recordings, in its unit.
 

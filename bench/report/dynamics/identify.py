@@ -15,7 +15,7 @@ from bench.record.campaign import Campaign
 from bench.record.finding import Finding
 from bench.record.joined import joined, names_of
 from bench.record.rules.repeated_runs import no_campaign_twice
-from bench.report.joint_campaign import open_checked
+from bench.report.joint_campaign import expect_one_robot, open_checked
 from bench.robot.compiled import CompiledRobot
 from bench.robot.nominal_dynamics import nominal_dynamics
 
@@ -69,12 +69,13 @@ def open_recordings(folders: Sequence[Path], held_out: Sequence[Path] = (), robo
         robot: Name or folder of the robot to take; "": the one that the campaigns name.
 
     Raises:
-        CampaignError: A folder is not a usable campaign or a copy of another.
+        CampaignError: A folder is not a usable campaign or a copy of another, or they are of several robots.
         InputError: A folder is given twice, to be fitted or held out.
     """
     names = names_of(folders)
     names_of((*folders, *held_out))  # what was fitted cannot be predicted
     opened = {folder: open_checked(folder, robot) for folder in (*folders, *held_out)}
+    compiled = expect_one_robot({folder: one.compiled for folder, one in opened.items()})
     named = {name: opened[folder].campaign for name, folder in zip(names, folders, strict=True)}
     others = {folder: opened[folder].campaign for folder in held_out}
     for name, doubt in no_campaign_twice(named | {str(folder): campaign for folder, campaign in others.items()}):
@@ -83,7 +84,7 @@ def open_recordings(folders: Sequence[Path], held_out: Sequence[Path] = (), robo
         named,
         tuple(folders),
         others,
-        opened[folders[-1]].compiled,
+        compiled,
         tuple(warning for one in opened.values() for warning in one.warnings),
         tuple(doubt for one in opened.values() for doubt in one.doubts),
     )
