@@ -20,8 +20,7 @@ def channel_errors(
     nominal: Array,
     noise: Array,
     promises: Sequence[PredictedError],
-    *,
-    is_fitted: bool = False,
+    is_fitted: NDArray[np.bool_] | None = None,
 ) -> tuple[ChannelError, ...]:
     """Return what a model leaves of every channel, at rest and in motion, beside what was promised.
 
@@ -33,7 +32,8 @@ def channel_errors(
         nominal: Shape (T, c), the same of the nominal robot.
         noise: Shape (T, c), standard deviation of what no model can predict.
         promises: Of the model.
-        is_fitted: Whether what is set up anew was fitted to the recording.
+        is_fitted: Shape (c,), whether something that was fitted to the recording changes the channel: then all that is
+            set up anew is no excuse for an error of it. None: nothing was fitted.
     """
     promised = {(one.channel, one.kind): one for one in promises}
     observed = linear.observed
@@ -46,7 +46,9 @@ def channel_errors(
             promise = promised.get((quantity.column, kind))
             low = high = np.nan
             if promise:
-                low, high = (promise.fitted_low, promise.fitted_high) if is_fitted else (promise.low, promise.high)
+                low, high = promise.low, promise.high
+                if is_fitted is not None and is_fitted[c]:
+                    low, high = promise.fitted_low, promise.fitted_high
             found.append(
                 ChannelError(
                     channel=quantity.column,

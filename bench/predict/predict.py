@@ -34,6 +34,8 @@ from bench.record.campaign import Array, Campaign
 from bench.record.carried import with_payloads
 from bench.robot.compiled import CompiledRobot
 
+UNMOVED = 1e-6  # rounding: of what no model can predict, by which a fit of something else moves a channel
+
 
 def predict(
     campaign: Campaign,
@@ -96,7 +98,9 @@ def _recording(
         freed = tuple(beside_model(figure, in_all, has) for figure, in_all in rows if figure.is_told)
         untold = tuple(figure.name for figure, _ in rows if not figure.is_told)
     error = np.where(there, left, np.nan)
-    channels = channel_errors(linear, error, nominal_error, noise, promises, is_fitted=bool(free))
+    moved = np.nan_to_num(np.abs(left - stated.residual) / np.where(there, noise, np.inf))
+    is_fitted = np.max(moved, axis=0, initial=0.0) > UNMOVED
+    channels = channel_errors(linear, error, nominal_error, noise, promises, is_fitted)
     starts = {run.name: run.start_s for run in recording.runs}
     return PredictedRecording(
         name=name,

@@ -156,15 +156,19 @@ def _found(verdict: Verdict, worths: Mapping[int, str]) -> Iterator[str]:
 
 
 def _worths(verdict: Verdict) -> dict[int, str]:
-    """Return what findings are worth, where several were held out one by one: number of a finding -> a line."""
+    """Return what findings are worth: number of a finding -> a line.
+
+    What one leaves where it is the only one stands in the table of what was held out.
+    """
     taken = [step for step in verdict.steps if step.accepted]
-    if len(taken) < 2:
-        return {}
     found = {}
     for i, group in enumerate(verdict.findings):
         causes = {(one.cause.effect, one.cause.place) for one in group.names}
         mine = [step for step in taken if causes & {(cause.effect, cause.place) for cause in step.added}]
-        if mine and (worth := "; ".join(filter(None, (left_text(mine[0], 1), confirmed_text(mine[0]))))):
+        if not mine:
+            continue
+        left = left_text(mine[0], 1) if len(taken) > 1 else ""
+        if worth := "; ".join(filter(None, (left, confirmed_text(mine[0])))):
             found[i] = worth
     return found
 
@@ -193,8 +197,8 @@ def _selection(verdict: Verdict) -> Iterator[str]:
             yield f"  {step_text(step)}"
         if given_up := steps_sentence(verdict):
             yield given_up
-    elif taken and (why := unconfirmed_text(taken[0])):
-        yield f"{capital(why)}."
+    elif taken:
+        yield from (f"{capital(text)}." for text in (confirmed_text(taken[0]), unconfirmed_text(taken[0])) if text)
     if verdict.rivals and not verdict.unlisted:
         ruled_out = "; ".join(name_beside(rival, verdict.explanations[0]) for rival in verdict.rivals[:BEST_RIVALS])
         others = len(verdict.rivals) - BEST_RIVALS

@@ -38,6 +38,9 @@ def test_the_terminal_says_which_recordings_confirm_a_finding() -> None:
     steps = (replace(first, recordings=known), replace(first, added=(MASS,), channels=(NO_GAIN,)))
     lines = list(brief_words(replace(VERDICTS["cause"], steps=steps)))
     assert any(line.endswith("; confirmed by 2 of 2 recordings (may +30, june +12)") for line in lines)
+    alone = replace(VERDICTS["cause"], steps=steps[:1])
+    assert "confirmed by 2 of 2 recordings (may +30, june +12)" in [line.strip() for line in brief_words(alone)]
+    assert "Confirmed by 2 of 2 recordings (may +30, june +12)." in list(words_of(alone))
 
 
 def test_the_terminal_says_what_was_refused() -> None:
