@@ -1,4 +1,4 @@
-"""Work that ends early: after a time, or with the first Ctrl-C or SIGTERM; the second one aborts."""
+"""Work that ends early: after a time, or with the first Ctrl-C, SIGTERM or SIGHUP; the second one aborts."""
 
 import os
 import re
@@ -6,7 +6,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from types import FrameType
 
 from bench.errors import InputError
@@ -33,7 +33,7 @@ def seconds_of(text: str) -> float:
 
 @contextmanager
 def ending_on_interrupt(stop: Stop) -> Iterator[None]:
-    """Let the first Ctrl-C or SIGTERM within the block ask the work to end, and only the second one abort it.
+    """Let the first Ctrl-C, SIGTERM or SIGHUP within the block ask the work to end, and only the second one abort it.
 
     Raises:
         KeyboardInterrupt: At the second one.
@@ -43,10 +43,17 @@ def ending_on_interrupt(stop: Stop) -> Iterator[None]:
         if stop.is_asked:
             raise KeyboardInterrupt
         stop.ask("interrupted")
-        os.write(2, HEARD)  # print may be in the middle of a line of its own
+        with suppress(OSError):  # nobody reads it any more
+            os.write(2, HEARD)  # print may be in the middle of a line of its own
 
-    with _hearing(heard, signal.SIGINT, signal.SIGTERM):
+    with _hearing(heard, signal.SIGINT, signal.SIGTERM, *_hangup()):
         yield
+
+
+def _hangup() -> tuple[int, ...]:
+    """Return the signal of a terminal that is gone, as of a connection that broke; none where nohup ignores it."""
+    number = getattr(signal, "SIGHUP", None)  # which Windows has not
+    return (number,) if number is not None and signal.getsignal(number) is not signal.SIG_IGN else ()
 
 
 @contextmanager
@@ -96,14 +103,14 @@ class TerminatedError(KeyboardInterrupt):
 
 @contextmanager
 def ending_at_a_signal() -> Iterator[None]:
-    """Let Ctrl-C and SIGTERM within the block end it, whatever the code that they interrupt makes of them.
+    """Let Ctrl-C, SIGTERM and SIGHUP within the block end it, whatever the code that they interrupt makes of them.
 
     Ctrl-C that the process was started to ignore, as a shell does for work in the background, stays ignored.
 
     Raises:
         KeyboardInterrupt: At Ctrl-C, or after it in the place of whatever error it became: ctypes raises another one
             that says no more of it.
-        TerminatedError: The same at SIGTERM.
+        TerminatedError: The same at SIGTERM, and where the terminal is gone.
     """
     asked: list[type[KeyboardInterrupt]] = []
 
@@ -112,7 +119,7 @@ def ending_at_a_signal() -> Iterator[None]:
         raise asked[-1]
 
     is_python_s = signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    with _hearing(heard, signal.SIGTERM, *((signal.SIGINT,) if is_python_s else ())):
+    with _hearing(heard, signal.SIGTERM, *_hangup(), *((signal.SIGINT,) if is_python_s else ())):
         try:
             yield
         except Exception as error:  # whatever it is: after the signal it may be what became of it

@@ -136,13 +136,13 @@ def _crew(start: Start, count: int, work: Any, items: Sequence[Any]) -> Iterator
 
 @contextmanager
 def _deaf(start: Start) -> Iterator[None]:
-    """Start processes that do not hear Ctrl-C or SIGTERM from their first moment on; the caller hears it afterwards."""
+    """Start processes that hear no Ctrl-C, SIGTERM or SIGHUP from their first moment on; the caller hears it later."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
     if start == "spawn":
         resource_tracker.ensure_running()  # it would let the signal through again when it starts
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM, signal.SIGHUP})
     try:
         yield
     finally:
@@ -165,6 +165,8 @@ def _serve(work: Any, items: Sequence[Any], pipe: Pipe, kept: tuple[Pipe, ...]) 
     """Work on the items whose indices come through the pipe, until nobody is at its other end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_IGN)  # as of Ctrl-C: a scheduler sends it to the whole group
+    if hasattr(signal, "SIGHUP"):
+        signal.signal(signal.SIGHUP, signal.SIG_IGN)
     become_worker()
     for other in kept:
         other.close()

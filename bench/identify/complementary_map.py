@@ -118,10 +118,18 @@ def loaded(arm: Arm, q: Array, load_point: str | Point, stiffness: Array, wrench
 
     Returns:
         Gamma, shape (..., n) [Nm], and Delta theta, shape (..., n) [rad].
+
+    Raises:
+        InputError: The arm gives way under the load somewhere: K_theta - K_C is not positive there.
     """
     jacobian = arm.jacobian(q, load_point)
     torque = np.einsum("...kn,k->...n", jacobian, wrench)
     yielding = np.diag(stiffness) - complementary_stiffness(jacobian, wrench)
+    if not np.all(np.linalg.eigvalsh(yielding + np.swapaxes(yielding, -1, -2)) > 0):
+        raise InputError(
+            "K_C map: the arm gives way under this load, for a joint is softer than the load's own stiffness K_C "
+            "somewhere; correct the load (N, Nm) or the stiffness (Nm/rad)."
+        )
     return torque, np.linalg.solve(yielding, torque[..., None])[..., 0]
 
 

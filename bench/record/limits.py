@@ -72,6 +72,9 @@ MODEL_INCLUDES = Limit("BENCH_MOST_MODEL_INCLUDES", 200, "includes", "assumed: a
 MODEL_COPIES = Limit(
     "BENCH_MOST_MODEL_COPIES", 2_000, "copies", "replicate and composite, multiplied; MuJoCo takes their square: 2 s"
 )
+MODEL_ELEMENTS = Limit(
+    "BENCH_MOST_MODEL_ELEMENTS", 20_000, "elements", "of an MJCF or URDF with its includes; 100 000 sites take minutes"
+)
 ASSET_BYTES = Limit("BENCH_MOST_ASSET_BYTES", 500_000_000, "bytes", "assumed: one mesh or texture")
 MODEL_SECONDS = Limit("BENCH_MOST_MODEL_SECONDS", 15, "seconds", "assumed: of the processor, to compile a model once")
 MODEL_MEMORY = Limit("BENCH_MOST_MODEL_MEMORY", 4_000_000_000, "bytes", "assumed: to compile a model once")
@@ -79,7 +82,7 @@ MODEL_MEMORY = Limit("BENCH_MOST_MODEL_MEMORY", 4_000_000_000, "bytes", "assumed
 LIMITS: Sequence[Limit] = (
     *(YAML_BYTES, YAML_DEPTH, YAML_VALUES, JSON_BYTES),
     *(TABLE_BYTES, TABLE_CELLS, TABLE_COLUMNS, CAMPAIGN_CELLS, CAMPAIGN_RUNS, FOLDER_ENTRIES),
-    *(MODEL_BYTES, MODEL_DEPTH, MODEL_INCLUDES, MODEL_COPIES, ASSET_BYTES, MODEL_SECONDS, MODEL_MEMORY),
+    *(MODEL_BYTES, MODEL_DEPTH, MODEL_INCLUDES, MODEL_COPIES, MODEL_ELEMENTS, ASSET_BYTES, MODEL_SECONDS, MODEL_MEMORY),
 )
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from xml.parsers import expat
 
 from bench.errors import UNPRINTABLE, RobotError
-from bench.record.limits import ASSET_BYTES, MODEL_BYTES, MODEL_COPIES, MODEL_DEPTH, MODEL_INCLUDES
+from bench.record.limits import ASSET_BYTES, MODEL_BYTES, MODEL_COPIES, MODEL_DEPTH, MODEL_ELEMENTS, MODEL_INCLUDES
 from bench.record.plain_file import FileFault, expect_plain, read_plain
 
 COPIED = ("replicate", "composite", "flexcomp")  # elements that stand for `count` of what is in them
@@ -37,6 +37,7 @@ class _Reader:
     def __init__(self, main: Path) -> None:
         self._folder = main.parent
         self._bytes = 0
+        self._elements = 0
         self._seen: set[Path] = set()
         self._directories = {Path()}
 
@@ -60,6 +61,9 @@ class _Reader:
             raise RobotError(f"{file}: line {parser.CurrentLineNumber}: {what}; {remedy}.")
 
         def begin(tag: str, attributes: Mapping[str, str]) -> None:
+            self._elements += 1
+            if MODEL_ELEMENTS.exceeded(self._elements):
+                refuse(f"more than {MODEL_ELEMENTS}", MODEL_ELEMENTS.remedy)
             if MODEL_DEPTH.exceeded(len(copies)):
                 refuse(f"more than {MODEL_DEPTH} of elements in each other", MODEL_DEPTH.remedy)
             copies.append(copies[-1] * (_count(attributes) if tag in COPIED else 1))

@@ -8,13 +8,15 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 
 from bench.cli import TERMINATED, main
-from bench.cli.stopping import UNFINISHED, TerminatedError, ending_at_a_signal, seconds_of
+from bench.cli.stopping import UNFINISHED, TerminatedError, ending_at_a_signal, ending_on_interrupt, seconds_of
 from bench.errors import interrupt_behind
+from bench.executor.watched import Stop
 from bench.report.diagnosis.file_names import REPORT, TEXT, VERDICT
 
 STARTED_S = 60.0  # within which a run is under way on a busy machine
@@ -164,6 +166,21 @@ def test_a_request_to_end_that_became_another_error_is_one(
     assert raised.type is asked
     with pytest.raises(ValueError, match="of its own"), ending_at_a_signal():
         raise ValueError("of its own")
+
+
+@pytest.mark.parametrize("under_nohup", [False, True])
+def test_a_terminal_that_is_gone_ends_a_command_but_not_one_under_nohup(under_nohup: bool) -> None:
+    """SIGHUP of a connection that broke left a half-written folder behind."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN if under_nohup else signal.SIG_DFL)
+    try:
+        with nullcontext() if under_nohup else pytest.raises(TerminatedError), ending_at_a_signal():
+            os.kill(os.getpid(), signal.SIGHUP)
+        stop = Stop()
+        with ending_on_interrupt(stop):
+            os.kill(os.getpid(), signal.SIGHUP)
+        assert stop.is_asked is not under_nohup
+    finally:
+        signal.signal(signal.SIGHUP, before)
 
 
 @pytest.mark.parametrize(("number", "asked"), [(signal.SIGTERM, TerminatedError), (signal.SIGINT, KeyboardInterrupt)])

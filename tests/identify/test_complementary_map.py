@@ -150,6 +150,8 @@ class TestPositionRows:
 
 def test_input_is_checked(arm):
     grid = grid_over_limits(arm, TABLE_4, SWEPT, 50 * DEGREE)
+    with pytest.raises(InputError, match="gives way"):  # or Figs. 4 to 6 were all NaN
+        complementary_map(arm, grid, point("wrist"), TABLE_3, 1e17 * WORST)
     with pytest.raises(InputError, match="positive"):
         complementary_map(arm, grid, point("wrist"), -TABLE_3, WORST)
     with pytest.raises(InputError, match="wrench of 6"):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bench.cli import main
-from bench.record.look.names import families_by_name
+from bench.record.look.names import families_by_name, rate_of
 from bench.report.log_look.look import look
 from bench.robot.nominal_dynamics import NominalDynamics
 from tests import stranger
@@ -203,3 +203,10 @@ def test_a_joint_called_x_is_not_looked_for_within_words() -> None:
         ("velocity", False, (1, 2)),
         ("position", False, (1, 2)),
     ]
+
+
+def test_a_name_of_100_kb_takes_no_longer_than_others() -> None:
+    """It was searched for a unit by time from each of its letters: a minute."""
+    long = f"{'q' * 100_000}1 [deg/s]"
+    assert rate_of(long) == rate_of("q1 [deg/s]") == "velocity"
+    assert rate_of("degrees_per_sec**2") == "acceleration"

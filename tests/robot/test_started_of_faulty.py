@@ -108,6 +108,15 @@ def test_every_name_of_a_line_is_a_name(name: str, tmp_path: Path) -> None:
     assert any(name in line for line in figures.assumed)
 
 
+@pytest.mark.parametrize("encoding", ["gb2312", "Shift_JIS", "UTF-32", "utf-7", "ISO-8859-1", "hex", "nope"])
+def test_a_file_is_read_as_utf_8_whatever_it_declares(encoding: str, tmp_path: Path) -> None:
+    """As MuJoCo reads it. Others ended in "multi-byte encodings are not supported", or names in two bytes a letter."""
+    text = URDF[URDF.index("<robot") :].replace('"shoulder"', '"Gelenk ü"')
+    (tmp_path / "arm.urdf").write_text(f'<?xml version="1.0" encoding="{encoding}"?>\n{text}', encoding="utf-8")
+    found = start_robot("arm", read_source(tmp_path / "arm.urdf"), tmp_path / "arm")
+    assert "Gelenk ü" in [drive.joint for drive in found.compiled.robot.figures.drives]
+
+
 def test_names_that_are_made_up_are_said(tmp_path: Path) -> None:
     text = stranger.mjcf(actuators=False).replace('name="j3" ', "").replace('name="j1"', 'name="joint3"')
     figures = started(tmp_path, text).compiled.robot.figures

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from bench.errors import RobotError
-from bench.record.limits import MODEL_COPIES, MODEL_DEPTH, MODEL_INCLUDES, MODEL_SECONDS
+from bench.record.limits import MODEL_COPIES, MODEL_DEPTH, MODEL_ELEMENTS, MODEL_INCLUDES, MODEL_SECONDS
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
 from bench.robot.starter.source import read_source
@@ -55,6 +55,9 @@ FAULTS = {
         "not done|memory|alloc",
     ),
     "a very deep tree": (MJCF.replace("<worldbody>", f"<worldbody>{ABYSS}"), f"more than {MODEL_DEPTH}"),
+    "as many keyframes": (
+        MJCF.replace("</mujoco>", f"<keyframe>{'<key/>' * 20_000}</keyframe></mujoco>"), f"more than {MODEL_ELEMENTS}"
+    ),
     "entities": ('<!DOCTYPE a [<!ENTITY b "c">]>' + MJCF, "line 1: has a document type"),
     "not XML": (MJCF.replace("</worldbody>", "</worldbod>"), "not XML"),
     "memory": (MJCF.replace("<worldbody>", '<size nuserdata="2000000000"/><worldbody>'), "memory|alloc"),

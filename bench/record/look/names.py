@@ -33,6 +33,7 @@ WORDS_OF_UNITS |= {"ampere": "a", "amps": "a"}
 BY_UNIT: dict[str, Kind] = {"a": "current", "nm": "torque", "n": "torque", "rad": "position", "m": "position"}
 ANGLES = {unit for unit, foreign in FOREIGN.items() if foreign.si == "rad"} | {"rad"}
 LISTS = {"position", "velocity", "effort"}  # of a JointState, with the names of joints behind a dot
+LONGEST_RATE = 40  # exact: characters, and more: "degrees_per_sec**2]" has 19
 _INDEX = re.compile(r"\d+")
 _UNIT_AT_END = re.compile(r"(?:[_\s.]|[\[(])([A-Za-z°]+)[\])]?$")
 _RATE_AT_END = re.compile(r"(?P<unit>[A-Za-z°]+)(?:/|_per_)(?:s|sec|min)(?P<twice>(?:\^|\*\*)?2|²|/s)?[\])]?$", re.I)
@@ -52,9 +53,13 @@ def unit_of(name: str) -> str:
     return word if word in FOREIGN or word in SI else ""
 
 
+def _rate_at_end(name: str) -> re.Match[str] | None:
+    return _RATE_AT_END.search(name, max(len(name) - LONGEST_RATE, 0))  # else a long name is searched from each letter
+
+
 def rate_of(name: str) -> Kind | None:
     """Return what an angle or a way by time at the end of a name tells: "A1 [deg/s]" is a velocity; None if none is."""
-    rate = _RATE_AT_END.search(name)
+    rate = _rate_at_end(name)
     unit = rate["unit"].lower() if rate else ""
     unit = WORDS_OF_UNITS.get(unit, unit)
     if rate is None or BY_UNIT.get(FOREIGN[unit].si if unit in FOREIGN else unit) != "position":
@@ -152,7 +157,7 @@ def _stem(name: str, joints: Sequence[str]) -> tuple[str, int | None]:
     for number, joint in enumerate(joints):
         if joint and (found := re.search(rf"(?<![A-Za-z0-9]){re.escape(joint)}(?![A-Za-z0-9])", name, re.IGNORECASE)):
             return f"{name[: found.start()]}*{name[found.end() :]}", number
-    rate = _RATE_AT_END.search(name)  # whose exponent is no number of a drive
+    rate = _rate_at_end(name)  # whose exponent is no number of a drive
     if digits := list(_INDEX.finditer(name, 0, rate.start() if rate else len(name))) or list(_INDEX.finditer(name)):
         last = digits[-1]
         return f"{name[: last.start()]}*{name[last.end() :]}", int(last[0])

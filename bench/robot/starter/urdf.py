@@ -74,7 +74,8 @@ def read_urdf(file: Path) -> Urdf | None:
         raise RobotError(f"{file}: {fault}; {fault.remedy}.") from fault
     look_through(file)
     try:
-        root = ElementTree.parse(file).getroot()
+        # as MuJoCo reads it, whatever encoding it declares; `look_through` refuses what is no UTF-8
+        root = ElementTree.parse(file, ElementTree.XMLParser(encoding="utf-8")).getroot()
     except ElementTree.ParseError as error:  # a prefix that stands for nothing is XML to others
         raise RobotError(f"{file}: not XML ({error}); correct that line.") from error
     if root.tag != "robot":
