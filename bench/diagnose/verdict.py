@@ -53,7 +53,7 @@ class Unlisted:
         stands_out: Whether the 95 % band of the shape leaves out zero anywhere; if not, something is left that is too
             small to give a shape.
         stand_ins: Listed causes that the robot that is handed over has in its place, with their sizes there: they are
-            not what it is, but predict better than nothing in its place.
+            not all that it is, but predict better than nothing in its place.
     """
 
     place: str

@@ -7,7 +7,7 @@ import pytest
 
 from bench.diagnose.plausibility.known_temperature import known_temperatures
 from bench.diagnose.plausibility.single_rows import jumps
-from bench.diagnose.plausibility.stated_noise import coarse_encoders, noise_as_stated
+from bench.diagnose.plausibility.stated_noise import coarse_encoders, noise_as_stated, rounded_places
 from bench.record.campaign import Campaign
 from bench.record.known import Known
 from bench.robot.compiled import compile_robot
@@ -86,3 +86,17 @@ def test_an_encoder_far_coarser_than_stated_is_told(step: float) -> None:
     assert (said.level, said.column) == ("warning", name)
     assert f"steps of {step:g}" in said.message
     assert not [*jumps(replace(campaign, runs=tuple(coarse)), compile_robot(ROBOT))]
+
+
+@pytest.mark.parametrize(("step", "is_told"), [(1e-5, False), (1e-3, True), (1e-2, True)])
+def test_places_that_were_rounded_are_told(campaign: Campaign, step: float, is_told: bool) -> None:
+    """In whole millimetres two joints were half as stiff, and intervals did not hold; nothing was said."""
+    assert not [*rounded_places(campaign, ROBOT)]
+    name = "reflector_1_z_m"
+    runs = [
+        replace(run, columns=dict(run.columns) | {name: np.round(run.columns[name] / step) * step})
+        for run in campaign.runs
+    ]
+    said = [*rounded_places(replace(campaign, runs=tuple(runs)), ROBOT)]
+    assert [(one.level, one.column) for one in said] == [("warning", name)] * is_told
+    assert all(f"steps of {step:g} m" in one.message for one in said)

@@ -17,7 +17,7 @@ from bench.diagnose.plausibility.one_run import unlike_other_runs
 from bench.diagnose.plausibility.repeated import Repeated
 from bench.diagnose.plausibility.reported_torques import unlike_currents
 from bench.diagnose.plausibility.single_rows import beyond_guessed_limits, overloads
-from bench.diagnose.plausibility.stated_noise import coarse_encoders, noise_as_stated
+from bench.diagnose.plausibility.stated_noise import coarse_encoders, noise_as_stated, rounded_places
 from bench.diagnose.plausibility.unexplained import unexplained
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import NOMINAL
@@ -78,7 +78,7 @@ def hints_of(
     campaign = repeated.campaign
     found = [*too_far_apart(campaign, compiled), *unlike_currents(campaign, compiled), *unlike_weights(campaign)]
     found += [*known_temperatures(campaign), *cold_gears(campaign), *noise_as_stated(campaign, compiled.robot)]
-    found += [*coarse_encoders(campaign, compiled.robot)]
+    found += [*coarse_encoders(campaign, compiled.robot), *rounded_places(campaign, compiled.robot)]
     told = {finding.column for finding in known}
     found += [hint for hint in overloads(campaign, compiled) if hint.column not in told]
     found += [hint for hint in beyond_guessed_limits(campaign, compiled) if hint.column not in told]

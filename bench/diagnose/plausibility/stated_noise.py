@@ -22,6 +22,8 @@ from bench.robot.folder import FIGURES_FILE, Robot
 # Accuracy that is stated for repeatability is ten times as much with good instruments.
 FAR = BEYOND_GUESS["torque limit"]
 
+ROUNDED = 3.0  # declared: times the noise of a tracker, that rounding alone scatters
+
 
 class _Stated(NamedTuple):
     """A standard deviation of single readings as stated: file and key, channels (of one drive or all), and value."""
@@ -87,6 +89,28 @@ def coarse_encoders(campaign: Campaign, robot: Robot) -> Iterator[Finding]:
                 message = f"reads in steps of {usual:.3g}, {usual / encoder.resolution_rad:.2g} times {key}"
                 remedy = f"rounded? log all digits; else the encoder is as coarse: write that into {FIGURES_FILE}"
                 yield Finding("warning", "all runs", None, name, message, remedy)
+
+
+def rounded_places(campaign: Campaign, robot: Robot) -> Iterator[Finding]:
+    """Yield a warning for each coordinate of a reflector that was rounded far more coarsely than its tracker scatters.
+
+    Args:
+        campaign: A checked campaign.
+        robot: Its robot.
+    """
+    tracker = robot.figures.instruments.tracker
+    if tracker is None:
+        return
+    for column in dict.fromkeys(one for run in campaign.runs for one in columns_of(run.columns, "reflector")):
+        runs = [run for run in campaign.runs if column.name in run.columns]
+        step = step_of(np.concatenate([run.columns[column.name] for run in runs]))
+        axes = [f"reflector_{column.index}_{axis}_m" for axis in "xyz"]
+        places = [np.stack([run.columns[name] for name in axes], axis=1) for run in runs if {*axes} <= {*run.columns}]
+        away = np.linalg.norm(np.concatenate(places) - tracker.position_m, axis=1) if places else np.zeros(1)
+        sigma = campaign.noise.get("reflector", tracker.sigma_per_distance * float(np.median(away)))
+        if sigma > 0 and UNIFORM * step > ROUNDED * sigma:
+            message = f"reads in steps of {step:.3g} m, {step / sigma:.0f} times the noise of the tracker as stated"
+            yield Finding("warning", "all runs", None, column.name, message, "rounded? log all digits")
 
 
 def _of_figures(robot: Robot) -> Iterator[_Stated]:
