@@ -39,9 +39,9 @@ def standing_in(naming: Naming, fit: Fit | None) -> Fit | None:
     """Return the likeliest model of listed causes alone, where it predicts surely better than a fit; else that fit.
 
     They are not all that acts there, but predict it. A torque over the speed holds what Coulomb friction and a little
-    more do: of a real arm the robot without either left 10 Nm of 41, and leaves 2.7 with the model of listed causes that
-    had fallen behind by 70 nats of 4500. A channel may become less probable by what is not worth a mention: of that arm, beside
-    7600 nats, a wrist lost 0.15. Errors of a recording are those of the fit: a robot has no place for others.
+    more do: of a real arm the robot without either left 10 Nm of 41, and leaves 2.7 with the listed causes that had
+    fallen behind by 70 nats of 4500. A channel may become less probable by what is not worth a mention: of that arm,
+    beside 7600 nats, a wrist lost 0.15. Errors of a recording are those of the fit: a robot has no place for others.
 
     Args:
         naming: What the data say, with a free shape that is not handed over.
