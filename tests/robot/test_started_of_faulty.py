@@ -117,6 +117,17 @@ def test_a_file_is_read_as_utf_8_whatever_it_declares(encoding: str, tmp_path: P
     assert "Gelenk ü" in [drive.joint for drive in found.compiled.robot.figures.drives]
 
 
+def test_a_namespace_changes_nothing(tmp_path: Path) -> None:
+    """Speed limits were "none" then, and the load point lay elsewhere; an effort of -1200 Nm was taken."""
+    found = []
+    for name, text in (("plain", URDF), ("named", URDF.replace("<robot ", '<robot xmlns="http://www.ros.org" '))):
+        (tmp_path / f"{name}.urdf").write_text(text)
+        found.append(start_robot("arm", read_source(tmp_path / f"{name}.urdf"), tmp_path / name))
+    plain, named = (one.compiled.robot.figures for one in found)
+    assert [drive.speed_limit_rad_per_s for drive in named.drives] == [d.speed_limit_rad_per_s for d in plain.drives]
+    assert named.assumed == plain.assumed
+
+
 def test_names_that_are_made_up_are_said(tmp_path: Path) -> None:
     text = stranger.mjcf(actuators=False).replace('name="j3" ', "").replace('name="j1"', 'name="joint3"')
     figures = started(tmp_path, text).compiled.robot.figures

@@ -78,6 +78,8 @@ def read_urdf(file: Path) -> Urdf | None:
         root = ElementTree.parse(file, ElementTree.XMLParser(encoding="utf-8")).getroot()
     except ElementTree.ParseError as error:  # a prefix that stands for nothing is XML to others
         raise RobotError(f"{file}: not XML ({error}); correct that line.") from error
+    for element in root.iter():  # a namespace, as of <robot xmlns="...">, says nothing more
+        element.tag = element.tag.rpartition("}")[2]
     if root.tag != "robot":
         return None
     joints = root.findall("joint")
