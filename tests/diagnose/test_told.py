@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.diagnose.conclude import _named
+from bench.diagnose.conclude import named_cause
 from bench.diagnose.cross_validation.figures import fitted_figures
 from bench.diagnose.extend.told import told_sizes
 from bench.diagnose.linearise.candidates import Cause
@@ -72,10 +72,10 @@ def test_what_runs_disagree_about_by_more_than_its_prior_is_not_told() -> None:
 def test_only_what_is_told_is_printed() -> None:
     """A SCARA's payload had second moments of 0.00 kg m^2 (-0.72 to 0.72): priors, cut by their sum."""
     sum_alone = 1e7 * np.array([[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
-    x, z, _ = _named(CAUSE, fit_alone(CAUSE, (1e-3, 1e-3, 1.9), covariance(sum_alone))).parameters
+    x, z, _ = named_cause(CAUSE, fit_alone(CAUSE, (1e-3, 1e-3, 1.9), covariance(sum_alone))).parameters
     assert (x.is_told, z.is_told) == (False, False)
     assert parameter_text(x) == "x: these data do not tell it"
-    x, z, _ = _named(CAUSE, fit_alone(CAUSE, (1e-3, 1e-3, 1.9), covariance(np.diag([1e6, 1e6, 0.0])))).parameters
+    x, z, _ = named_cause(CAUSE, fit_alone(CAUSE, (1e-3, 1e-3, 1.9), covariance(np.diag([1e6, 1e6, 0.0])))).parameters
     assert (x.is_told, z.is_told) == (True, True)
     assert parameter_text(x).startswith("x 1.000 mm (")
 
@@ -84,7 +84,7 @@ def test_an_interval_ends_where_a_size_cannot_be() -> None:
     """A payload's second moment, "never below zero", was 0.0 kg m^2 (-4.2 to 4.2), and a period 49 deg (-44 to 141)."""
     grows = Parameter("y", "m", 0.0, 1e-3, 1e-2, "of one sign only")
     cause = Cause(Shift(), WHOLE, (X, grows), (WAVE,))
-    x, y, period = _named(cause, fit_alone(cause, (1e-3, 1e-3, 0.9), np.diag([1e-6, 1e-6, 1.0]))).parameters
+    x, y, period = named_cause(cause, fit_alone(cause, (1e-3, 1e-3, 0.9), np.diag([1e-6, 1e-6, 1.0]))).parameters
     assert (x.low, x.high) == pytest.approx((1e-3 - 1.959964e-3, 1e-3 + 1.959964e-3))
     assert (y.low, y.high) == pytest.approx((0.0, 1e-3 + 1.959964e-3))
     assert (period.low, period.high) == pytest.approx((WAVE.low / 2, 0.9 + 1.959964))
