@@ -8,8 +8,8 @@ from threadpoolctl import threadpool_limits
 
 from bench.diagnose.conclude import named_cause, unfinished_of, verdict_of
 from bench.diagnose.cross_validation.figures import changed_figures
-from bench.diagnose.cross_validation.held_out import PredictedError
 from bench.diagnose.cross_validation.next_recording import predicted_error
+from bench.diagnose.cross_validation.predicted_error import PredictedError
 from bench.diagnose.experiment_design.propose import propose
 from bench.diagnose.experiment_design.undetectable import undetectable_beside, undetectable_effects
 from bench.diagnose.explain import (

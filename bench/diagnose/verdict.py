@@ -19,8 +19,8 @@ from bench.diagnose.baseline.comparison import Baseline as Baseline  # part of t
 from bench.diagnose.baseline.comparison import DriveErrors as DriveErrors  # part of the verdict
 from bench.diagnose.cross_validation.figures import FittedFigure as FittedFigure  # part of the verdict
 from bench.diagnose.cross_validation.held_out import ChannelGain as ChannelGain  # part of the verdict
-from bench.diagnose.cross_validation.held_out import PredictedError as PredictedError  # part of the verdict
 from bench.diagnose.cross_validation.held_out import RecordingGain as RecordingGain  # part of the verdict
+from bench.diagnose.cross_validation.predicted_error import PredictedError as PredictedError  # part of the verdict
 from bench.diagnose.experiment_design.propose import Proposal as Proposal  # part of the verdict
 from bench.diagnose.experiment_design.undetectable import (
     UndetectableEffect as UndetectableEffect,

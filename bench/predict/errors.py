@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.cross_validation.held_out import PredictedError
+from bench.diagnose.cross_validation.predicted_error import PredictedError
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.instants import at_each_instant, instants_of
 from bench.predict.prediction import ChannelError, Stretch

@@ -11,7 +11,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bench.diagnose.cross_validation.floor import floor_variance, measured
-from bench.diagnose.cross_validation.held_out import PredictedError
+from bench.diagnose.cross_validation.predicted_error import PredictedError
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.replay.known import known_quantities, with_known_payload, with_known_segments

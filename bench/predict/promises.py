@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from pydantic import ValidationError
 
-from bench.diagnose.cross_validation.held_out import PredictedError
+from bench.diagnose.cross_validation.predicted_error import PredictedError
 from bench.errors import RobotError
 from bench.record.json_text import expect_sealed, load_json, sealed
 from bench.record.strict import Strict

@@ -19,7 +19,7 @@ from typing import Literal
 import numpy as np
 
 from bench.cli import main
-from bench.diagnose.cross_validation.held_out import PredictedError
+from bench.diagnose.cross_validation.predicted_error import PredictedError
 from bench.hide.campaign import hide_campaign
 from bench.predict.promises import write_promises
 from bench.record.write import write_campaign

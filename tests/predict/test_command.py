@@ -11,7 +11,7 @@ import pytest
 
 from bench.cli import main
 from bench.cli.predict import BROKEN
-from bench.diagnose.cross_validation.held_out import PredictedError
+from bench.diagnose.cross_validation.predicted_error import PredictedError
 from bench.errors import RobotError
 from bench.predict.predict import predict
 from bench.predict.promises import PROMISES, read_promises, write_promises

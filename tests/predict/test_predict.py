@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.diagnose.cross_validation.held_out import PredictedError
+from bench.diagnose.cross_validation.predicted_error import PredictedError
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import NOMINAL
 from bench.errors import InputError

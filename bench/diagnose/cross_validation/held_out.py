@@ -285,29 +285,3 @@ def _gain(before: Array, after: Array) -> Array:
     """Return the gains between sums of squares, same shape; 0 where nothing was to be gained."""
     share = np.divide(after, before, out=np.ones_like(after), where=before > 0)
     return 1 - np.asarray(np.sqrt(share), dtype=np.float64)
-
-
-@dataclass(frozen=True)
-class PredictedError:
-    """What a model will leave of one channel in a recording that nobody has made yet.
-
-    Attributes:
-        channel: Column of the campaign.
-        unit: SI.
-        kind: Of recording.
-        runs: Runs it rests on.
-        rms: Plain root mean square over the held-out readings of all these runs.
-        low, high: 90 % prediction interval of the root mean square of one more recording, set up anew; nan if there are
-            less than two runs.
-        fitted_low, fitted_high: The same of a recording to which what is set up anew is fitted; nan as well.
-    """
-
-    channel: str
-    unit: str
-    kind: Literal["static", "motion"]
-    runs: int
-    rms: float
-    low: float
-    high: float
-    fitted_low: float = float("nan")
-    fitted_high: float = float("nan")

@@ -10,9 +10,10 @@ from scipy.spatial import cKDTree
 from scipy.special import stdtrit
 
 from bench.diagnose.cross_validation.folds import Folds, folds_of, folds_of_states
-from bench.diagnose.cross_validation.held_out import HIGH, SEED, PredictedError
+from bench.diagnose.cross_validation.held_out import HIGH, SEED
 from bench.diagnose.cross_validation.leave_out import errors_of_folds, tangent_of
 from bench.diagnose.cross_validation.moderated import moderated
+from bench.diagnose.cross_validation.predicted_error import PredictedError
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.alike import ALIKE, together
