@@ -52,6 +52,11 @@ OF_URDF = {
     "effort below zero": (LIMIT, LIMIT.replace("120", "-150"), "joint 'shoulder': limit: effort is -150"),
     "speed below zero": (LIMIT, LIMIT.replace("1.7", "-2"), "joint 'shoulder': limit: velocity is -2"),
     "limits exchanged": (LIMIT, LIMIT.replace("-2", "2", 1).replace('upper="2"', 'upper="-2"'), "lower is 2, above"),
+    "angles of an origin in degrees": (
+        '<origin xyz="0 0 0.4"/>',
+        '<origin xyz="0 0 0.4" rpy="0 -90 0"/>',
+        "joint 'elbow': origin: rpy is '0 -90 0', more than a whole turn",
+    ),
     "two joints of one name": ('name="elbow"', 'name="shoulder"', "2 joints have the name 'shoulder'"),
     "a rotor below zero": ('damping="1.5"', 'damping="-1"', "joint 'shoulder': damping is -1"),
     "an include of xacro": (
@@ -126,6 +131,17 @@ def test_a_namespace_changes_nothing(tmp_path: Path) -> None:
     plain, named = (one.compiled.robot.figures for one in found)
     assert [drive.speed_limit_rad_per_s for drive in named.drives] == [d.speed_limit_rad_per_s for d in plain.drives]
     assert named.assumed == plain.assumed
+
+
+def test_a_speed_limit_in_degrees_is_said(tmp_path: Path) -> None:
+    """It was "the file", and torques and damping were judged by a joint that turns 24 times a second."""
+    fast = URDF.replace('velocity="1.7"', 'velocity="150"')
+    assert fast != URDF
+    (tmp_path / "arm.urdf").write_text(fast)
+    figures = start_robot("arm", read_source(tmp_path / "arm.urdf"), tmp_path / "arm").compiled.robot.figures
+    said = [line for line in figures.assumed if line.startswith("speed limit (shoulder 150")]
+    assert len(said) == 1
+    assert "degrees per second" in said[0]
 
 
 def test_names_that_are_made_up_are_said(tmp_path: Path) -> None:

@@ -56,6 +56,8 @@ CRITICAL = 0.1  # of critical damping: damping of a joint that does more for a p
 # [rad/s] of a hinge, [m/s] of a slide, where the file has none. Assumed: 180 deg/s, as the joints of light arms have
 # (UR5e, iiwa: 98 to 180)
 SPEED = {False: np.pi, True: 1.0}
+# the same, of the fastest: quills of small SCARAs turn at 52 rad/s (3000 deg/s, data sheets), linear drives run 10 m/s
+FASTEST = {False: 60.0, True: 10.0}
 
 
 DEFAULT = "default"
@@ -168,7 +170,7 @@ def drive_figures(source: Source, found: Survey) -> tuple[DriveFigures, ...]:
     for j, joint in enumerate(joints):
         least, greatest = float(found.least_inertia[j]), float(found.greatest_inertia[j])
         speed = joint.speed_limit or SPEED[joint.is_slide]
-        origins = {"speed_limit": "the file" if joint.speed_limit else DEFAULT}
+        origins = {"speed_limit": _origin_of_speed(joint)}
         viscous, origins["viscous"] = _viscous(joint, speed, greatest)
         if viscous and is_damped_alike:
             viscous, origins["viscous"] = 0.0, f"left out: damping {_for_all(joint.damping)}"
@@ -243,6 +245,18 @@ def _rotors(joints: Sequence[SourceJoint]) -> list[tuple[float, str]]:
         )
         found.append((0.0, f"default: {guess}" + (f"; armature {_for_all(joint.armature)}" if joint.armature else "")))
     return found
+
+
+def _origin_of_speed(joint: SourceJoint) -> str:
+    if not joint.speed_limit:
+        return DEFAULT
+    if joint.speed_limit <= FASTEST[joint.is_slide]:
+        return "the file"
+    unit, other = ("m/s", "mm/s") if joint.is_slide else ("rad/s", "degrees per second")
+    return (
+        f"as the file has it, and more than the {FASTEST[joint.is_slide]:g} {unit} of the fastest robots; correct it if "
+        f"that is in {other}, for torques and damping are judged by it"
+    )
 
 
 def _needed(joint: SourceJoint, found: Survey, j: int) -> float:

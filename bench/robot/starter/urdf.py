@@ -18,6 +18,7 @@ from bench.robot.trial import expect_harmless
 MESHES = (".stl", ".obj", ".msh")  # that MuJoCo reads
 UNREAD = ("mimic", "safety_controller", "calibration", "transmission")  # of a URDF, that nothing here has a place for
 LOOSE = 4  # names of links in one message
+TURN = 6.3  # [rad], exact but for digits: of a roll, pitch or yaw, more says nothing new
 ABOVE = 4  # folders above the URDF in which a package is looked for (assumed: urdf/ and robots/ lie one or two below)
 
 
@@ -83,7 +84,7 @@ def read_urdf(file: Path) -> Urdf | None:
     if root.tag != "robot":
         return None
     joints = root.findall("joint")
-    if faults := [f"{file}: {fault}" for fault in (*_repeated(joints), *_faulty_limits(joints), *_loose(root))]:
+    if faults := [f"{file}: {fault}" for fault in (*_repeated(joints), *_faulty_limits(joints), *_in_degrees(root), *_loose(root))]:
         raise RobotError(faults)
     speeds = {}
     for joint in joints:
@@ -145,6 +146,18 @@ def _faulty_limits(joints: list[ElementTree.Element]) -> Iterator[str]:
             and {"lower", "upper"} <= set(limit.keys())
         ):
             yield f'{place}: lower and upper are both {lower:g}; write how far it goes, or type="fixed".'
+
+
+def _in_degrees(root: ElementTree.Element) -> Iterator[str]:
+    """Yield a sentence for each origin that is turned by more than a turn: "90" is meant in degrees."""
+    for element in (*root.iter("joint"), *root.iter("link")):
+        for origin in element.iter("origin"):
+            turned = origin.get("rpy", "")
+            if any(abs(_number(one)) > TURN for one in turned.split()):
+                yield (
+                    f"{element.tag} {element.get('name')!r}: origin: rpy is {turned!r}, more than a whole turn; angles "
+                    "in a URDF are in radians."
+                )
 
 
 def _place_mesh(
