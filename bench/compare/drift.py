@@ -55,10 +55,10 @@ def drifts_of(background: Background, found: Found) -> tuple[Drift, ...]:
 
 
 def _drifting(background: Background) -> Iterator[tuple[Nuisance, NDArray[np.intp]]]:
-    """Yield each figure of the machine that drifts and shows in all recordings, with its column of each."""
+    """Yield each figure of the robot that is of the day and shows in all recordings, with its column of each."""
     slopes, count = background.slopes, len(background.joint.recordings)
     for i, nuisance in enumerate(background.joint.linear.nuisances):
-        if is_of_machine(nuisance) and nuisance.own > 0:
+        if (is_of_machine(nuisance) or nuisance.edit) and nuisance.own > 0:
             places = np.flatnonzero((slopes.nuisance == i) & (slopes.recording >= 0))
             if len(places) == count:
                 yield nuisance, places[np.argsort(slopes.recording[places])]

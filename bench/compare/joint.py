@@ -18,6 +18,7 @@ from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.linearise.other_noise import with_scatter
 from bench.diagnose.linearise.signatures import Sensitivities, Signatures
 from bench.diagnose.replay.instants import at_each_instant
+from bench.diagnose.replay.levels import gas_of_the_day
 from bench.diagnose.replay.nuisances import Nuisance, nuisances_of
 from bench.diagnose.replay.quantities import Quantity, quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -129,6 +130,8 @@ def joint_of(
     first = {one.campaign.runs[0].name for one in recordings}  # what sets in with it acts in all of a recording
     causes = tuple(cause for cause in causes if cause.place.since not in first)
     nuisances = _as_weighed(nuisances_of(compiled, quantities), recordings)
+    if compiled.counterbalance:
+        nuisances = (*nuisances, gas_of_the_day())
     known: list[tuple[tuple[Segment, ...], Sensitivities]] = []
     for k, one in enumerate(recordings):
         segments = segments_of(one.campaign, compiled, quantities, most_bins)

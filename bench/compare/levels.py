@@ -37,9 +37,10 @@ class Slopes:
 def is_of_machine(nuisance: Nuisance) -> bool:
     """Whether what may be off is the machine's, but for a drift: figures, zeros of motors, and what of `STAY`.
 
-    All else is set up anew.
+    All else is set up anew, or of the day, as the temperature of the gas.
     """
-    return nuisance.edit is not None or nuisance.encoder is not None or nuisance.name.startswith(STAY)
+    is_figure = nuisance.edit is not None and nuisance.between != "anew"
+    return is_figure or nuisance.encoder is not None or nuisance.name.startswith(STAY)
 
 
 def by_level(jacobian: Array, nuisances: Sequence[Nuisance], recording: NDArray[np.intp], held: float) -> Slopes:

@@ -19,19 +19,19 @@ from bench.report.comparison.words import words_of
 from tests.diagnose.sweeps import SWEEP, made, nominal
 
 LESS = 0.2  # of the viscous friction of joint 2, as on a day that is 13 K warmer
-LOST = 0.02  # of the gas
+MORE = 0.3  # of the Coulomb friction
 FEW = {name: catalogue()[name] for name in ("gas_loss", "coulomb_level")}
 MOVES = "viscous friction of joint2"  # of the sweep, nothing else moves
 
 
 @cache
-def on_a_warm_day(lost: float, folder: Path) -> tuple[Background, Found]:
+def on_a_warm_day(more: float, folder: Path) -> tuple[Background, Found]:
     """Return one machine twice; its figures and its noise are the same, for all of it comes from one seed."""
-    gas = {"gas_loss": lost} if lost else {}
-    cold, warm = (made(SWEEP, 7, hidden) for hidden in ({}, {"viscous_level": -LESS, **gas}))
+    rubs = {"coulomb_level": more} if more else {}
+    cold, warm = (made(SWEEP, 7, hidden) for hidden in ({}, {"viscous_level": -LESS, **rubs}))
     recordings, robot = (
         recordings_of({"cold": cold}, {"warm": warm}),
-        as_it_was(cold, nominal(), folder / str(lost)).robot,
+        as_it_was(cold, nominal(), folder / str(more)).robot,
     )
     joined = partial(joint_of, recordings, robot, FEW, 60)
     return weighed(lambda large, before: joined(large=large, before=before))
@@ -57,7 +57,7 @@ def test_friction_that_fell_with_the_day_is_said(folder: Path) -> None:
 
 def test_a_drift_knows_what_is_named_beside_it(folder: Path) -> None:
     """Against the posterior of drifts and changes together, by inverting all of it."""
-    background, found = on_a_warm_day(LOST, folder)
+    background, found = on_a_warm_day(MORE, folder)
     assert found.best
     own = [background.acting(one.entry.columns, one.profile.weights) * one.prior for one in found.best]
     every = np.concatenate([background.nuisances.jacobian, *own], axis=1)

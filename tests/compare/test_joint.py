@@ -105,7 +105,10 @@ def test_what_is_set_up_anew_is_anew_in_each_recording() -> None:
     assert sum(len(one) == 1 for one in alone) > machine / 4
     # friction at rest keeps its whole variance, whatever the share that is new in each recording; so does all else, but
     # for the drift of viscous friction, which comes on top of what is stated
-    whole = np.array([1 + (one.own / one.sigma) ** 2 if one.edit else 1.0 for one in linear.nuisances])
+    drifts = [one.edit is not None and one.between == "drifts" for one in linear.nuisances]
+    whole = np.array(
+        [1 + (one.own / one.sigma) ** 2 if more else 1.0 for one, more in zip(linear.nuisances, drifts, strict=True)]
+    )
     held = np.array([not one.is_simulated for one in linear.nuisances])
     for share in (0.0, 0.3, 1.0):
         variance = np.sum(by_level(linear.jacobian, linear.nuisances, own.of_row, share).matrix ** 2, axis=1)

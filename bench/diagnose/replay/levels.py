@@ -24,6 +24,7 @@ from bench.robot.figures import Drive
 
 # assumed: [K], standard deviation of the gas from recording to recording: unheated air of a workshop
 GAS_DAY_K = 5.0
+GAS_OF_THE_DAY = "temperature of the gas"
 
 
 def with_recordings(
@@ -41,7 +42,7 @@ def with_recordings(
     found = [one for nuisance in nuisances for one in _in_recordings(nuisance, recordings)]
     found += [replace(one, recording=name) for one in _coulomb_of_the_day(compiled) for name in recordings]
     if compiled.counterbalance:
-        found += [replace(_gas_of_the_day(), recording=name) for name in recordings]
+        found += [replace(gas_of_the_day(), recording=name) for name in recordings]
     return tuple(found)
 
 
@@ -99,7 +100,7 @@ def _coulomb_of_the_day(compiled: CompiledRobot) -> Iterator[Nuisance]:
             )
 
 
-def _gas_of_the_day() -> Nuisance:
+def gas_of_the_day() -> Nuisance:
     """Return gas that is warmer than nominal: it pulls more, and the thermometer shows it."""
 
     def edit(kelvin: float) -> SpecEdit:
@@ -107,7 +108,7 @@ def _gas_of_the_day() -> Nuisance:
         return change or (lambda spec, robot: None)
 
     return Nuisance(
-        "temperature of the gas",
+        GAS_OF_THE_DAY,
         "K",
         GAS_DAY_K,
         edit=edit,

@@ -5,6 +5,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from bench.compare.comparison import Change, ChangedFinding, Comparison, Component
+from bench.diagnose.replay.levels import GAS_OF_THE_DAY
+from bench.diagnose.replay.nuisances import THERMOMETER
 from bench.report.comparison.names import (
     NOT_THE_MACHINES,
     along_words,
@@ -36,6 +38,8 @@ UNFINISHED = (
     "This comparison ended before it was done: what is named was not yet held against the noise that it leaves, nor "
     "against what it does beyond proportion, so chance names a change more often than is said here."
 )
+GAS_TEMPERATURE = "gas_temperature_k"
+UNREAD_GAS = f". Gas that was lost pulls less as colder gas does; a thermometer ({GAS_TEMPERATURE}) tells them apart"
 NONLINEAR = 0.12  # of a signature; beyond, its size is not to be taken at its word (diagnose/linearise/README.md: 12 %)
 
 
@@ -199,14 +203,16 @@ def drift_sentences(comparison: Comparison) -> Iterator[str]:
     """Yield, for each kind of figure that drifts from day to day, what that took of the difference, where told."""
     places: dict[tuple[str, str, float], list[str]] = {}
     for drift in comparison.drifts:
-        title, place = named_as(drift.name)
+        title, place = (drift.name, "") if drift.name in (GAS_OF_THE_DAY, THERMOMETER) else named_as(drift.name)
         text = drift_text(drift.values[-1], drift.unit)
         places.setdefault((title, drift.unit, drift.expected), []).append(f"{place} {text}".lstrip())
     last = comparison.recordings[-1].name
+    reads_gas = any(one.column == GAS_TEMPERATURE for one in comparison.noise)
     for (title, unit, expected), values in places.items():
         yield (
             f"Drift of the day in {last}, which is not counted as a change: {title}: {'; '.join(values)} "
             f"(90 % intervals; a difference with a standard deviation of {expected_text(expected, unit)} was expected)"
+            f"{UNREAD_GAS if title == GAS_OF_THE_DAY and not reads_gas else ''}"
         )
 
 

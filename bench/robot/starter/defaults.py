@@ -254,8 +254,8 @@ def _origin_of_speed(joint: SourceJoint) -> str:
         return "the file"
     unit, other = ("m/s", "mm/s") if joint.is_slide else ("rad/s", "degrees per second")
     return (
-        f"as the file has it, and more than the {FASTEST[joint.is_slide]:g} {unit} of the fastest robots; correct it if "
-        f"that is in {other}, for torques and damping are judged by it"
+        f"as the file has it, and more than the {FASTEST[joint.is_slide]:g} {unit} of the fastest robots; correct it "
+        f"if that is in {other}, for torques and damping are judged by it"
     )
 
 

@@ -84,8 +84,10 @@ def read_urdf(file: Path) -> Urdf | None:
     if root.tag != "robot":
         return None
     joints = root.findall("joint")
-    if faults := [f"{file}: {fault}" for fault in (*_repeated(joints), *_faulty_limits(joints), *_in_degrees(root), *_loose(root))]:
-        raise RobotError(faults)
+    if faults := [
+        f"{file}: {fault}" for fault in (*_repeated(joints), *_faulty_limits(joints), *_in_degrees(root), *_loose(root))
+    ]:
+        raise RobotError(f"{file}: {fault}" for fault in faults)
     speeds = {}
     for joint in joints:
         limit = joint.find("limit")
