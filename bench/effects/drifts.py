@@ -23,6 +23,8 @@ VISCOUS = 0.015  # derived: [1/K], by which viscous friction falls: 30 % over 20
 # assumed: [1/K], of Coulomb friction: a third of viscous friction's. Bittencourt and Gunnarsson (2012) find that it
 # hardly follows temperature; preload of bearings, grease that lay overnight and wear change it all the same.
 COULOMB = 0.005  # a joint diagnosis expects it; hidden machines keep theirs
+# assumed: [K], standard deviation of the air of an unheated workshop from recording to recording; the gas follows it
+AIR_DAY_K = 5.0
 # derived: ISO 376:2011, Table 2: a force transducer of class 2, the loosest, that is mounted three times, turned in
 # between, reads within 0.40 % of itself; the range of three normal numbers is 1.69 standard deviations on average.
 # Temperature adds 0.05 % over 10 K (data sheets of strain gauge transducers), which is nothing beside it.

@@ -7,6 +7,8 @@ from typing import Self
 import mujoco
 import numpy as np
 
+from bench.effects.conditions import REFERENCE_K
+from bench.effects.gas import amount_scaled
 from bench.effects.nominal import nominal_parameters
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.folder import Robot
@@ -23,6 +25,7 @@ class Background:
         bolted: Relative error of the weights that are bolted on.
         pulled: Relative error of loads that are pulled aside, beside that of all that hangs.
         pull_turn: Shape (3,) [rad], by which they are turned about the world's axes.
+        air_k: [K], by how much the air of the day, and the gas with it, is warmer than `REFERENCE_K`.
     """
 
     deviations: Mapping[str, float]
@@ -30,6 +33,7 @@ class Background:
     bolted: float = 0.0
     pulled: float = 0.0
     pull_turn: tuple[float, ...] = (0.0, 0.0, 0.0)
+    air_k: float = 0.0
 
     @classmethod
     def draw(cls, compiled: CompiledRobot, rng: np.random.Generator) -> Self:
@@ -57,7 +61,8 @@ class Background:
         """Return the changes of the model, bolted weights among them; to be applied after a payload was bolted on."""
         known = nominal_parameters(compiled)
         changes = [one.edit(self.deviations[one.name]) for one in known if one.name in self.deviations]
-        return (_heavier(self.bolted), *changes)
+        warmer = amount_scaled(1 + self.air_k / REFERENCE_K) if compiled.counterbalance else None
+        return (_heavier(self.bolted), *changes, *filter(None, [warmer]))
 
 
 def _heavier(share: float) -> SpecEdit:

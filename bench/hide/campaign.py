@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench import paths
-from bench.effects.conditions import Conditions
+from bench.effects.conditions import REFERENCE_K, Conditions
 from bench.effects.effect import WHOLE, Acting
 from bench.errors import InputError, unknown_names
 from bench.hide.background import Background
@@ -101,7 +101,7 @@ def hide_campaign(
     if machine and background:
         drawn = background_in(compiled, Background.draw(compiled, machine), drawn, rng)
         instruments.errors = errors_in(compiled, Instruments(compiled, machine).errors, instruments.errors)
-    day = WarmUp.draw(robot.n_joints, rng)
+    day = WarmUp.draw(robot.n_joints, rng, REFERENCE_K + drawn.air_k)
     edits = (*edits_of(session), *drawn.edits(compiled))
     stays, log = plan(setup.legs, edits, drawn.loads, day)
     step = before_end / 2 if timestep is None else timestep
@@ -222,7 +222,8 @@ def _values(compiled: CompiledRobot, acting: Iterable[Acting], background: Backg
         for parameter in one.effect.parameters
     }
     values |= {f"background.{name}": TrueValue(size, "") for name, size in background.off_by(compiled).items()}
-    return values | {"load.hung": TrueValue(background.hung, ""), "load.bolted": TrueValue(background.bolted, "")}
+    values |= {"load.hung": TrueValue(background.hung, ""), "load.bolted": TrueValue(background.bolted, "")}
+    return values | {"air.warmer": TrueValue(background.air_k, "K")}
 
 
 def _name(robot: Robot) -> str:

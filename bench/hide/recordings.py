@@ -4,7 +4,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from bench.effects.drifts import DAY_K, VISCOUS, own_shares
+from bench.effects.drifts import AIR_DAY_K, DAY_K, VISCOUS, own_shares
 from bench.effects.nominal import nominal_parameters
 from bench.hide.background import Background
 from bench.robot.compiled import CompiledRobot
@@ -18,7 +18,7 @@ def background_in(
     """Return the background errors of a machine in one recording.
 
     Its figures and the weights of its lab last; viscous friction follows the temperature of the day, in each drive
-    beside the others; what is bolted on is another one.
+    beside the others; the gas is as warm as the air of the day; what is bolted on is another one.
 
     Args:
         compiled: The robot.
@@ -31,7 +31,8 @@ def background_in(
         if one.is_viscous:
             day = VISCOUS * DAY_K * float(rng.standard_normal())
             deviations[one.name] = (1 + deviations[one.name]) * (1 + day) - 1
-    return Background(deviations, machine.hung, own.bolted, own.pulled, own.pull_turn)
+    air = AIR_DAY_K * float(rng.spawn(1)[0].standard_normal())  # of its own, so that all else is drawn as ever
+    return Background(deviations, machine.hung, own.bolted, own.pulled, own.pull_turn, air)
 
 
 def errors_in(compiled: CompiledRobot, machine: SystematicErrors, own: SystematicErrors) -> SystematicErrors:

@@ -46,28 +46,32 @@ class WarmUp:
     Attributes:
         gear_rise: Shape (n,) [K], above the air, after long work.
         winding_rise: Shape (n,) [K].
-        ambient_drift: [K], by how much the air leaves `REFERENCE_K` in the end.
+        ambient_drift: [K], by how much the air is another one in the end.
+        air: [K], how warm everything is at the start.
     """
 
     gear_rise: Array
     winding_rise: Array
     ambient_drift: float
+    air: float = REFERENCE_K
 
     @classmethod
-    def draw(cls, n: int, rng: np.random.Generator) -> Self:
-        """Draw a day for n drives."""
+    def draw(cls, n: int, rng: np.random.Generator, air: float = REFERENCE_K) -> Self:
+        """Draw a day for n drives, which begins with air so warm [K]."""
         spread = 1 + RISE_SPREAD * rng.uniform(-1, 1, (2, n))
-        return cls(GEAR_RISE_K * spread[0], WINDING_RISE_K * spread[1], AMBIENT_DRIFT_K * float(rng.standard_normal()))
+        return cls(
+            GEAR_RISE_K * spread[0], WINDING_RISE_K * spread[1], AMBIENT_DRIFT_K * float(rng.standard_normal()), air
+        )
 
     def over(self, spells: Sequence[Spell]) -> tuple[Conditions, ...]:
-        """Return the conditions in the middle of each spell; at the start everything has `REFERENCE_K`."""
-        n, now, gas = len(self.gear_rise), 0.0, REFERENCE_K
-        gear, winding = np.full(n, REFERENCE_K), np.full(n, REFERENCE_K)
+        """Return the conditions in the middle of each spell; at the start everything is as warm as the air."""
+        n, now, gas = len(self.gear_rise), 0.0, self.air
+        gear, winding = np.full(n, self.air), np.full(n, self.air)
         found = []
         for spell in spells:
             half = spell.seconds / 2
             for is_middle in (True, False):
-                ambient = REFERENCE_K - self.ambient_drift * float(np.expm1(-(now + half / 2) / AMBIENT_TIME_S))
+                ambient = self.air - self.ambient_drift * float(np.expm1(-(now + half / 2) / AMBIENT_TIME_S))
                 gear = _towards(gear, ambient + spell.works * self.gear_rise, half / GEAR_TIME_S)
                 winding = _towards(winding, ambient + spell.works * self.winding_rise, half / WINDING_TIME_S)
                 gas = float(_towards(np.array(gas), np.array(ambient), half / GAS_TIME_S))

@@ -52,6 +52,7 @@ def made(
     hidden: Mapping[str, float] = {},
     without: tuple[str, ...] = (),
     machine: int | None = None,
+    channels: tuple[str, ...] = (),
 ) -> Campaign:
     """Return a campaign with effects hidden, those of a joint in joint 2; of the machine with a seed, or of any."""
     robot = load_robot("hh150")
@@ -62,7 +63,7 @@ def made(
         first = effects[name].parameters[0].name
         acting.append(Acting(effects[name], places[min(1, len(places) - 1)], effects[name].complete({first: value})))
     rng, own = np.random.default_rng(seed), None if machine is None else np.random.default_rng(machine)
-    return hide_campaign(robot, session, acting, rng, without=without, machine=own).campaign
+    return hide_campaign(robot, session, acting, rng, without=without, channels=channels, machine=own).campaign
 
 
 def changed(campaign: Campaign, change: Change) -> Campaign:

@@ -9,7 +9,7 @@ from tests.diagnose.sweeps import SWEEPS, made, nominal
 def test_friction_that_changed_between_recordings_is_told_with_both_levels() -> None:
     """A level 30 % higher on the second day ended in 166 Nm (13.8 and 17.8 are right), at 100 %."""
     before = made(SWEEPS, 1, machine=3)
-    days = joined({"may": before, "june": made(SWEEPS, 2, {"coulomb_level": 0.4}, machine=3)})
+    days = joined({"may": before, "june": made(SWEEPS, 5, {"coulomb_level": 0.4}, machine=3)})
     (found,) = changed_friction(days, nominal())
     assert found.name == "Coulomb friction (joint2)"
     assert 1.3 < found.found["june"] / found.found["may"] < 1.5

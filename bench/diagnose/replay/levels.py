@@ -14,7 +14,7 @@ from functools import partial
 from bench.diagnose.replay.nuisances import Nuisance
 from bench.diagnose.replay.world import World
 from bench.effects.conditions import REFERENCE_K
-from bench.effects.drifts import COULOMB, DAY_K
+from bench.effects.drifts import AIR_DAY_K, COULOMB, DAY_K
 from bench.effects.figure_edits import LEAST_SHARE
 from bench.effects.friction_elements import scale_coulomb
 from bench.effects.gas import amount_scaled
@@ -22,8 +22,6 @@ from bench.effects.levels import acts_in
 from bench.robot.compiled import CompiledRobot, SpecEdit
 from bench.robot.figures import Drive
 
-# assumed: [K], standard deviation of the gas from recording to recording: unheated air of a workshop
-GAS_DAY_K = 5.0
 GAS_OF_THE_DAY = "temperature of the gas"
 
 
@@ -110,9 +108,9 @@ def gas_of_the_day() -> Nuisance:
     return Nuisance(
         GAS_OF_THE_DAY,
         "K",
-        GAS_DAY_K,
+        AIR_DAY_K,
         edit=edit,
         on_reading=lambda x, reading: replace(reading, gas_temperature=reading.gas_temperature + x),
         between="anew",
-        own=GAS_DAY_K,
+        own=AIR_DAY_K,
     )

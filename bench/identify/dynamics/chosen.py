@@ -20,6 +20,7 @@ from bench.record.campaign import Array
 SURELY = float(np.log(100.0))
 RARE = SURELY + float(np.log(10.0))  # declared: who has a machine with a balancer knows of it, who has cables may not
 WANTED = dict.fromkeys(OPTIONAL, SURELY) | {"viscous_difference": 0.0, "balancer": RARE}
+ADDING = ("rolling", "load", "presliding")  # exact: friction of these kinds takes energy, so their sizes are positive
 # effort: of choosing widths anew with the noise that is left; a term that was found sharpens what tells the next
 CHOICES = 5
 ROUNDS = 2  # effort: of asking by how much the model errs beside its data; a third changes a tenth of that
@@ -126,18 +127,15 @@ def turning_late(solution: Solution, prior: Prior) -> Widths:
     """
     n = len(solution.noise)
     places = n * OPTIONAL.index("presliding") + np.arange(n)
-    own = [int(np.flatnonzero(np.diag(prior.optional[place]))[0]) for place in places]
     without = solution
     for place in places:
         without = replace(without, widths=without.widths.with_optional(int(place), NONE))
     widths, wanted = without.widths, 0.0
-    for drive, (place, where) in enumerate(zip(places, own, strict=True)):
+    for drive, place in enumerate(places):
         if solution.noise[drive] is None:
             continue
         gain, best = _most_wanted(without, drive, int(place), prior)
-        if (
-            gain > 0 and posterior(solution.normal, prior, best)[0][where] > 0
-        ):  # friction does not turn before its joint
+        if gain > 0 and _can_be(without, int(place), best, prior):  # friction does not turn before its joint
             widths = widths.with_optional(int(place), best.optional[place])
             wanted += gain
     return widths if wanted > SURELY else without.widths
@@ -155,6 +153,14 @@ def _most_wanted(solution: Solution, drive: int, place: int, prior: Prior) -> tu
         gains[tried] = evidence_gain(before, after, readings, _readings(solution, drive, after.parameters(prior)))
     best = max(gains, key=gains.__getitem__)
     return gains[best], best
+
+
+def _can_be(solution: Solution, place: int, widths: Widths, prior: Prior) -> bool:
+    """Return whether a size that something optional comes out with is one that it can have."""
+    if OPTIONAL[place // len(solution.noise)] not in ADDING:
+        return True
+    where = np.flatnonzero(np.diag(prior.optional[place]))
+    return bool(np.all(posterior(solution.normal, prior, widths)[0][where] > 0))
 
 
 def _readings(solution: Solution, drive: int, parameters: Array) -> float:
@@ -175,8 +181,15 @@ def _shows(solution: Solution, drive: int, place: int, prior: Prior) -> bool:
 def _with_optional(
     solution: Solution, beside: Missed, drive: int, prior: Prior, folds: Folds
 ) -> tuple[Solution, Missed]:
-    """Return a solution with what one drive has of `OPTIONAL`, the most wanted first, and what it misses."""
+    """Return a solution with what one drive has of `OPTIONAL`, the most wanted first, and what it misses.
+
+    What came out, beside all else, with a size that it cannot have goes.
+    """
     n = len(solution.noise)
+    for place in range(drive, len(solution.widths.optional), n):
+        if solution.widths.optional[place] != NONE and not _can_be(solution, place, solution.widths, prior):
+            solution = replace(solution, widths=solution.widths.with_optional(place, NONE))
+            beside = missed(solution, prior, folds)
     left = {
         place for place in range(drive, n * OPTIONAL.index("presliding"), n) if _shows(solution, drive, place, prior)
     }
@@ -188,6 +201,8 @@ def _with_optional(
         if gains[place] <= 0:
             break
         left.remove(place)
+        if not _can_be(solution, place, wanted[place][1], prior):
+            continue
         more = replace(solution, widths=wanted[place][1])
         tried = missed(more, prior, folds)
         if tried.squares[:, drive].sum() < beside.squares[:, drive].sum():
