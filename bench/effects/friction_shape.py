@@ -175,6 +175,15 @@ class FrictionRipple(WithCoulomb):
         Parameter("period", "rad", pi / 3, pi / 40, 2 * pi, "p", is_shape=True, ratio=1.2),
     )
 
+    def places(self, compiled: CompiledRobot) -> tuple[Place, ...]:
+        """Return the drives that have Coulomb friction without a ripple; an element has room for one."""
+        spec, drives = read_spec(compiled.robot), compiled.robot.figures.drives
+        return tuple(
+            place
+            for place in super().places(compiled)
+            if not any(given(spec, drives[place.index], side, "ripple") for side in SIDES)
+        )
+
     def edit(self, place: Place, values: Values, conditions: Conditions) -> SpecEdit | None:
         sine, cosine = values["sin"], values["cos"]
         if not (sine or cosine):

@@ -47,7 +47,8 @@ class PolytropicExponent(OfGas):
         def change(spec: mujoco.MjSpec, robot: Robot) -> None:
             actuator, tendon = _names(robot)
             reference = length_at_zero(spec, tendon)
-            configure(spec, actuator, exponent=exponent, reference_length=reference)
+            there = _given(spec, actuator, "exponent", 1.0)
+            configure(spec, actuator, exponent=there + exponent - 1, reference_length=reference)
 
         return change if exponent != 1 else None
 
@@ -116,7 +117,9 @@ class ThermalRelaxation(OfGas):
         excess, tau = values["gamma_excess"], values["relaxation_time"]
 
         def change(spec: mujoco.MjSpec, robot: Robot) -> None:
-            configure(spec, _names(robot)[0], heat_capacity_ratio=1 + excess, relaxation_time=tau)
+            actuator, _ = _names(robot)
+            there = _given(spec, actuator, "heat_capacity_ratio", 1.0)
+            configure(spec, actuator, heat_capacity_ratio=there + excess, relaxation_time=tau)
 
         return change if excess else None
 
@@ -142,7 +145,8 @@ class SealFriction(OfGas):
             actuator, tendon = _names(robot)
             gap = number_of(spec, actuator, "critical_length") - length_at_zero(spec, tendon)
             pull = number_of(spec, actuator, "constant") / gap
-            configure(spec, actuator, seal_friction=share, seal_presliding=share * pull / SEAL_TRAVEL)
+            both = _given(spec, actuator, "seal_friction", 0.0) + share
+            configure(spec, actuator, seal_friction=both, seal_presliding=both * pull / SEAL_TRAVEL)
 
         return change if share else None
 
@@ -178,12 +182,16 @@ def _names(robot: Robot) -> tuple[str, str]:
     return balance.actuator, balance.tendon
 
 
+def _given(spec: mujoco.MjSpec, actuator: str, attribute: str, otherwise: float) -> float:
+    """Return an attribute of the cylinder, which may be left out."""
+    return float(attributes_of(spec, actuator).get(attribute, otherwise))
+
+
 def amount_scaled(factor: float) -> SpecEdit | None:
     """Return a change of the amount of gas by a factor, None where that is one."""
 
     def change(spec: mujoco.MjSpec, robot: Robot) -> None:
         actuator, _ = _names(robot)
-        amount = float(attributes_of(spec, actuator).get("gas_amount", "1"))
-        configure(spec, actuator, gas_amount=factor * amount)
+        configure(spec, actuator, gas_amount=factor * _given(spec, actuator, "gas_amount", 1.0))
 
     return change if factor != 1 else None
