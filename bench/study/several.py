@@ -14,7 +14,7 @@ from bench.diagnose.cross_validation.floor import floor_variance, measured
 from bench.diagnose.cross_validation.next_recording import predicted_error
 from bench.diagnose.diagnose import Diagnosis
 from bench.diagnose.linearise.nominal_model import linearised_model_of
-from bench.diagnose.replay.levels import as_of
+from bench.diagnose.replay.levels import handed_over
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
@@ -252,7 +252,7 @@ def _answers(machine: Machine, setup: Setup) -> Iterable[str]:
     diagnosis = _diagnosed(joined({name: machine.recordings[name] for name in others}), setup)
     fit = diagnosis.extension or diagnosis.naming.null
     promises = predicted_error(diagnosis.linear, fit)
-    world = as_of(fit.world(diagnosis.linear), others[-1] if len(others) > 1 else "")
+    world = handed_over(fit.world(diagnosis.linear), others if len(others) > 1 else [""])
     campaign, quantities = with_payloads(machine.recordings[last]), diagnosis.linear.quantities
     replay = Replay(setup.compiled, segments_of(campaign, setup.compiled, quantities), quantities)
     linear = linearised_model_of(replay, nuisances_of(setup.compiled, quantities))

@@ -131,7 +131,8 @@ def changes_of(linear: LinearisedModel, fit: Fit, between: Literal["drifts", "an
     They act in the last recording alone, where the model has them. An error is the sum of what lasts, with a variance
     L, and of what is the recording's own, with a variance D; nothing lasts of what is set up anew. The next recording
     has another own part: a mean of D + E[d^2] of the square of their difference. How large d was, the readings say only
-    together with what lasts: where they know each sum of n recordings, the variance of d is L D / (D + n L).
+    together with what lasts: where they know each sum of n recordings, the variance of d is L D / (D + n L), and so is
+    that of what lasts. Of what is of the day the model of several recordings has what lasts (`handed_over`).
 
     Args:
         linear: The campaign.
@@ -146,7 +147,8 @@ def changes_of(linear: LinearisedModel, fit: Fit, between: Literal["drifts", "an
             continue
         own, is_only = one.own**2, one.recording is None
         kept = one.lasting**2 if is_only else lasting.get(one.name, 0.0)
-        mean = fit.nuisances[i] * one.sigma * (own / (kept + own) if is_only else 1.0)  # of the sum, or of the own part
+        has = own / (kept + own) if is_only else float(not one.is_of_day)  # the model, of the sum or of the own part
+        mean = has * fit.nuisances[i] * one.sigma
         square = own + kept * own / (own + len(recordings) * kept) + mean**2
         found[one.name] = linear.sensitivities[:, :, i] * (np.sqrt(square) / one.sigma)
     return found

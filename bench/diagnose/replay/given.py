@@ -70,7 +70,9 @@ def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: Comp
         compiled: It.
     """
     own = {(one.name, one.unit): i for i, one in enumerate(nuisances)}
-    found, which, at, held, anew = _of_found_friction(posterior, nuisances), [], [], [], []
+    # of one recording it has the day with what lasts, of several what lasts alone (`levels.py: handed_over`)
+    days = 1 if compiled.robot.figures.fitted.recording else 2
+    found, which, at, held, anew = _of_found_friction(posterior, nuisances, days), [], [], [], []
     for i, one in enumerate(posterior.parameters):
         if not one.effect:
             mine = own.get((one.name, one.unit))
@@ -78,7 +80,7 @@ def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: Comp
                 continue
             if nuisances[mine].drifts_besides:
                 day = float(np.sqrt(posterior.covariance[i, i])) * one.sigma
-                found[mine] = _on_another_day(one, nuisances[mine], day)
+                found[mine] = _on_another_day(one, nuisances[mine], day, days)
                 continue
             found[mine] = _after(one, found[mine], np.inf)
             if nuisances[mine].lasting > 0:
@@ -126,25 +128,24 @@ def _after(one: PosteriorParameter, nuisance: Nuisance, known: float, expected: 
     return replace(nuisance, earlier=replace(left, found=left.total(off)))
 
 
-def _on_another_day(one: PosteriorParameter, nuisance: Nuisance, known: float) -> Nuisance:
+def _on_another_day(one: PosteriorParameter, nuisance: Nuisance, known: float, days: int) -> Nuisance:
     """Return a figure that drifts by more than is stated of it, such as friction, as the next recording may have it.
-
-    The robot has what it was on the day of the recording that was diagnosed, so it differs by the drifts of both days.
 
     Args:
         one: As the earlier diagnosis has it.
         nuisance: As it may be off in this one, without its drift.
         known: Standard deviation with which it was known, in its unit.
+        days: By the drifts of how many it differs: of this one, and of that of the robot if it has the day of one.
     """
-    sigma = float(np.sqrt(known**2 + 2 * nuisance.own**2))
+    sigma = float(np.sqrt(known**2 + days * nuisance.own**2))
     return replace(_after(one, nuisance, known / nuisance.sigma, sigma / nuisance.sigma), sigma=sigma)
 
 
-def _of_found_friction(posterior: Posterior, nuisances: Sequence[Nuisance]) -> list[Nuisance]:
+def _of_found_friction(posterior: Posterior, nuisances: Sequence[Nuisance], days: int) -> list[Nuisance]:
     """Return what may be off, with friction that was found where nothing was stated as uncertain as days differ.
 
     What is stated of friction is a share of what the nominal model has, which is nothing there: the level is as well
-    known as it was found. What is found in one recording differs from another one by the drifts of both.
+    known as it was found, and differs by the drifts of one day or two.
     """
     found = list(nuisances)
     at = {one.name: i for i, one in enumerate(nuisances)}
@@ -152,7 +153,7 @@ def _of_found_friction(posterior: Posterior, nuisances: Sequence[Nuisance]) -> l
         if one.effect in DRIFTS:
             title, drift = DRIFTS[one.effect]
             if (i := at.get(f"{title} of {one.place}")) is not None:
-                sigma = float(np.sqrt(2)) * drift
+                sigma = float(np.sqrt(days)) * drift
                 found[i] = replace(nuisances[i], sigma=sigma, earlier=Earlier(0.0, 0.0, sigma, is_share=True))
     return found
 

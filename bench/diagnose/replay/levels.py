@@ -63,6 +63,22 @@ def as_of(world: World, recording: str) -> World:
     )
 
 
+def handed_over(world: World, recordings: Sequence[str]) -> World:
+    """Return what of a world is handed over: the machine with what belongs to the last of its recordings.
+
+    Of what drifts from day to day, and of the warmth of the gas, each day has another part. The next one has another
+    again, so of several recordings what lasts is handed over, which is nearest to any day.
+
+    Args:
+        world: Of all recordings.
+        recordings: Names.
+    """
+    if len(recordings) > 1:
+        lasting = {one: value for one, value in world.deviations.items() if one.recording is None or not one.is_of_day}
+        world = World(lasting, world.acting)
+    return as_of(world, recordings[-1])
+
+
 def _in_recordings(nuisance: Nuisance, recordings: Sequence[str]) -> Iterator[Nuisance]:
     if nuisance.lasting > 0:
         yield replace(nuisance, sigma=nuisance.lasting, between="same", own=0.0)

@@ -131,6 +131,13 @@ class Nuisance:
         """Whether it changes model or readings; if not (friction at rest, a single weight), it acts to first order."""
         return self.moves_robot or self.on_reading is not None
 
+    @property
+    def is_of_day(self) -> bool:
+        """Whether it is the part that one recording has of what drifts, or its weather: the next has another one."""
+        return self.recording is not None and (
+            self.between == "drifts" or (self.between == "anew" and self.edit is not None)
+        )
+
     def off_by(self, sigmas: float) -> float:
         """Return by how much something is off at so many standard deviations of its prior, in its unit."""
         deviation = sigmas * self.sigma

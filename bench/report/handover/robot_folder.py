@@ -12,7 +12,7 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.fitted import figures_with, zeros_in
 from bench.diagnose.replay.given import EARLIER
 from bench.diagnose.replay.instants import recordings_of
-from bench.diagnose.replay.levels import as_of
+from bench.diagnose.replay.levels import handed_over
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.world import NOMINAL, World, edits_in
 from bench.effects.conditions import Conditions
@@ -57,8 +57,8 @@ def hand_over(linear: LinearisedModel, fit: Fit, folder: Path, nominal: Path, un
     """Write the robot as fitted.
 
     What acts by its changes alone (friction that joints held at rest) belongs to the campaign and is left out. Of what
-    belongs to one recording, such as a payload or the zero of an encoder, the last recording's is written: the folder
-    is the machine as it was last seen.
+    belongs to one recording, such as a payload or the zero of an encoder, the last recording's is written; of what
+    drifts from day to day, what lasts.
 
     Args:
         linear: The campaign.
@@ -70,8 +70,8 @@ def hand_over(linear: LinearisedModel, fit: Fit, folder: Path, nominal: Path, un
     Raises:
         RobotError: The robot's files are no longer what they were when they were read.
     """
-    compiled, last = linear.replay.compiled, recordings_of(linear.segments)[-1]
-    world = as_of(fit.world(linear), last)
+    compiled, recordings = linear.replay.compiled, recordings_of(linear.segments)
+    world, last = handed_over(fit.world(linear), recordings), recordings[-1]
     robot = compiled.robot
     division = divided(compiled, (*world.acting, *zeros_in(world, compiled)))
     before, spec = read_spec(robot), read_spec(robot)
@@ -85,7 +85,6 @@ def hand_over(linear: LinearisedModel, fit: Fit, folder: Path, nominal: Path, un
     missing += [f"{nuisance.name}: figures have no place for it" for nuisance in left]
     effects = (*robot.figures.fitted.effects, *(entry for _, entry in beside))
     title = robot.figures.title.removesuffix(AS_FITTED) + AS_FITTED
-    recordings = recordings_of(linear.segments)
     of_last = last if len(recordings) > 1 else ""
     fitted = Fitted(readings=readings, weights=weights, effects=effects, unfinished=unfinished, recording=of_last)
     figures = robot.figures.model_copy(update={"title": title, "fitted": fitted})
@@ -135,7 +134,7 @@ def _disagreement(linear: LinearisedModel, world: World, handed: CompiledRobot) 
 
     Args:
         linear: The campaign.
-        world: As fitted, of that recording.
+        world: As handed over.
         handed: The new robot.
     """
     last = recordings_of(linear.segments)[-1]
