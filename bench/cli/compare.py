@@ -50,6 +50,7 @@ class Compare:
         from tempfile import TemporaryDirectory
 
         from bench.cli.doubts import heed
+        from bench.cli.joints import by_number
         from bench.cli.progress import phases
         from bench.cli.stopping import UNFINISHED, ending_on_interrupt, seconds_of
         from bench.compare.as_it_was import as_it_was
@@ -107,11 +108,11 @@ class Compare:
                 )
                 found = replace(found, robot=begun.origin)
                 if folder:
-                    write_comparison(found, folder, compiled.robot.figures.title, self.command)
+                    write_comparison(found, folder, compiled.robot.figures.titled, self.command)
         except Stopped as stopped:
             print(f"bench: {stopped}: nothing was weighed yet, so nothing is known of any change.", file=sys.stderr)
             return UNFINISHED
-        for line in words_of(found):
+        for line in (*by_number(compiled), *words_of(found)):
             print(line)
         if self.out:
             print(f"report     {self.out / REPORT}")

@@ -55,6 +55,7 @@ class Diagnose:
         from math import inf
 
         from bench.cli.doubts import heed
+        from bench.cli.joints import by_number
         from bench.cli.progress import phases
         from bench.cli.stopping import UNFINISHED, ending_on_interrupt, seconds_of
         from bench.diagnose.baseline.changed_friction import changed_friction
@@ -117,8 +118,8 @@ class Diagnose:
                 sentences = write_diagnosis(found, folder, campaign, self.command)
             except Stopped as stopped:
                 verdict = unweighed(FALSE_ALARM_RATE, str(stopped), during)
-                sentences = write_unweighed(verdict, folder, campaign, compiled.robot.figures.title, self.command)
-        for line in (*sentences, *filter(None, (taken,))):
+                sentences = write_unweighed(verdict, folder, campaign, compiled.robot.figures.titled, self.command)
+        for line in (*by_number(compiled), *sentences, *filter(None, (taken,))):
             print(line)
         for line in places_of(self.out):
             print(line)

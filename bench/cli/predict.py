@@ -43,6 +43,7 @@ class Predict:
         """Predict, print and write; return the exit code: 0, or 8 where an error is larger than promised."""
         from contextlib import ExitStack
 
+        from bench.cli.joints import by_number
         from bench.cli.progress import phases
         from bench.predict.free import checked
         from bench.predict.predict import predict
@@ -66,7 +67,7 @@ class Predict:
             if folder:
                 shown.phase("writing")
                 sentences = write_prediction(prediction, folder, self.command)
-        for line in words_of(prediction):
+        for line in (*by_number(model), *words_of(prediction)):
             print(line)
         for sentence in sentences:
             print(sentence)

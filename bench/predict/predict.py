@@ -72,7 +72,7 @@ def predict(
             found.append(_recording(name, one, model, nominal, promises, names, posterior))
     figures = model.robot.figures
     carried, as_in = carried_by(model)[CARRIED_MASS], figures.fitted.recording
-    return Prediction(figures.title, nominal.robot.name, names, tuple(found), carried, as_in)
+    return Prediction(figures.titled, nominal.robot.name, names, tuple(found), carried, as_in)
 
 
 def _recording(

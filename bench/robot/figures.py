@@ -189,6 +189,19 @@ class Figures(Strict):
         """How well the figures of each drive are known."""
         return self.uncertainty.of_drives(len(self.drives))
 
+    @property
+    def by_number(self) -> str:
+        """Return which joint has which number, "joint 1 is rail, 2 a1"; "" where names end with their own numbers."""
+        names = [drive.joint for drive in self.drives]
+        if all(re.search(rf"(?<!\d)0*{i}$", name) for i, name in enumerate(names, start=1)):
+            return ""
+        return "joint " + ", ".join(f"{i}{' is' * (i == 1)} {name}" for i, name in enumerate(names, start=1))
+
+    @property
+    def titled(self) -> str:
+        """Return the title, with the numbers that reports have for joints of other names."""
+        return f"{self.title} ({self.by_number})" if self.by_number else self.title
+
     def assumes(self, figure: str, joint: str) -> bool:
         """Return whether a figure of a joint, such as "speed limit", is a guess that `assumed` still lists."""
         listed = re.compile(rf"{re.escape(figure)} \((?:.*, )?{re.escape(joint)} [^ ,)]+[,)]")

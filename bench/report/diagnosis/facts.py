@@ -94,7 +94,7 @@ def facts_of(diagnosis: Diagnosis, readings: Readings, campaign: Campaign | None
     """
     linear = diagnosis.linear
     learned = learned_of(diagnosis.naming, diagnosis.discrepancy)
-    title = linear.replay.compiled.robot.figures.title
+    title = linear.replay.compiled.robot.figures.titled
     return Facts(
         data=_data(title, campaign, _compared(linear), len(readings.before)),
         channels=readings.channels,
