@@ -30,7 +30,7 @@ def campaigns(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("machine")
     write_campaign(made(SWEEP, 1, machine=5), folder / "may")
     write_campaign(made(SWEEP, 2, machine=5), folder / "june")
-    write_campaign(made(SWEEP, 3, {"gas_loss": 0.02}, machine=5), folder / "july")
+    write_campaign(made(SWEEP, 3, {"coulomb_level": 0.6}, machine=5), folder / "july")
     return folder
 
 
@@ -73,7 +73,7 @@ def test_what_ends_early_hands_over_what_was_found(
     assert main(["compare", *arguments, "--cores", "1"]) == UNFINISHED
     said = capsys.readouterr().out
     assert said.startswith("Unfinished (interrupted, during: what changed, beside the noise that it leaves). So far: ")
-    assert "gas" in said.splitlines()[0]
+    assert "Coulomb" in said.splitlines()[0]
     assert "ended before it was done" in said.splitlines()[1]
     written = json.loads((tmp_path / "out" / "compare.json").read_text())
     assert written["has_changed"] is True

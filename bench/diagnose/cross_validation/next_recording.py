@@ -18,6 +18,7 @@ from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.alike import ALIKE, together
 from bench.diagnose.replay.instants import at_each_instant, recordings_of
+from bench.diagnose.replay.levels import mean_of_days
 from bench.diagnose.replay.quantities import Quantity
 from bench.effects.effect import Effect
 from bench.record.campaign import Array
@@ -132,7 +133,7 @@ def changes_of(linear: LinearisedModel, fit: Fit, between: Literal["drifts", "an
     L, and of what is the recording's own, with a variance D; nothing lasts of what is set up anew. The next recording
     has another own part: a mean of D + E[d^2] of the square of their difference. How large d was, the readings say only
     together with what lasts: where they know each sum of n recordings, the variance of d is L D / (D + n L), and so is
-    that of what lasts. Of what is of the day the model of several recordings has what lasts (`handed_over`).
+    that of the mean of all d, which the model has of what is of the day (`levels.py: handed_over`).
 
     Args:
         linear: The campaign.
@@ -141,14 +142,15 @@ def changes_of(linear: LinearisedModel, fit: Fit, between: Literal["drifts", "an
     """
     linear, recordings = fit.design(linear), recordings_of(linear.segments)
     lasting = {one.name: one.sigma**2 for one in linear.nuisances if one.recording is None}
+    off = {one: float(x) * one.sigma for one, x in zip(linear.nuisances, fit.nuisances, strict=True)}
     found = {}
     for i, one in enumerate(linear.nuisances):
         if one.between != between or one.recording not in (None, recordings[-1]):
             continue
         own, is_only = one.own**2, one.recording is None
         kept = one.lasting**2 if is_only else lasting.get(one.name, 0.0)
-        has = own / (kept + own) if is_only else float(not one.is_of_day)  # the model, of the sum or of the own part
-        mean = has * fit.nuisances[i] * one.sigma
+        # of the sum, or of the own part
+        mean = fit.nuisances[i] * one.sigma * own / (kept + own) if is_only else mean_of_days(off, one)
         square = own + kept * own / (own + len(recordings) * kept) + mean**2
         found[one.name] = linear.sensitivities[:, :, i] * (np.sqrt(square) / one.sigma)
     return found

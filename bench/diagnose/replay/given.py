@@ -70,7 +70,7 @@ def given_by(posterior: Posterior, nuisances: Sequence[Nuisance], compiled: Comp
         compiled: It.
     """
     own = {(one.name, one.unit): i for i, one in enumerate(nuisances)}
-    # of one recording it has the day with what lasts, of several what lasts alone (`levels.py: handed_over`)
+    # the robot has the day of the only recording, or nearly what lasts: the mean of several (`levels.py: handed_over`)
     days = 1 if compiled.robot.figures.fitted.recording else 2
     found, which, at, held, anew = _of_found_friction(posterior, nuisances, days), [], [], [], []
     for i, one in enumerate(posterior.parameters):

@@ -7,7 +7,7 @@ zeros of current and torque channels are the machine's with a drift (`effects/dr
 of the day.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -67,16 +67,24 @@ def handed_over(world: World, recordings: Sequence[str]) -> World:
     """Return what of a world is handed over: the machine with what belongs to the last of its recordings.
 
     Of what drifts from day to day, and of the warmth of the gas, each day has another part. The next one has another
-    again, so of several recordings what lasts is handed over, which is nearest to any day.
+    again, so of several recordings the mean of their days is handed over, which is nearest to any day.
 
     Args:
         world: Of all recordings.
         recordings: Names.
     """
-    if len(recordings) > 1:
-        lasting = {one: value for one, value in world.deviations.items() if one.recording is None or not one.is_of_day}
-        world = World(lasting, world.acting)
-    return as_of(world, recordings[-1])
+    deviations = {one: mean_of_days(world.deviations, one) for one in world.deviations}
+    return as_of(World(deviations, world.acting), recordings[-1])
+
+
+def mean_of_days(deviations: Mapping[Nuisance, float], nuisance: Nuisance) -> float:
+    """Return what is handed over of something that may be off: of what is of a day, the mean over all of them."""
+    if not nuisance.is_of_day:
+        return deviations[nuisance]
+    days = [
+        x for one, x in deviations.items() if one.is_of_day and (one.name, one.unit) == (nuisance.name, nuisance.unit)
+    ]
+    return sum(days) / len(days)
 
 
 def _in_recordings(nuisance: Nuisance, recordings: Sequence[str]) -> Iterator[Nuisance]:

@@ -47,9 +47,9 @@ def readme_of(robot: Robot, figures: Figures, missing: Sequence[str], disagreeme
         lines += [
             f"- What belongs to one recording alone (payload, zeros of encoders, frame of the tracker) is that of the "
             f"last one, `{recording}`. Of what drifts from day",
-            "  to day (friction, torque constants, offsets, temperature of the gas) it has what lasts: the mean of its "
-            "days. `../figures.csv` has",
-            "  it of every recording.",
+            "  to day (friction, torque constants, offsets, temperature of the gas) it has the mean of all days. "
+            "`../figures.csv` has it",
+            "  of every recording.",
         ]
     if np.isnan(disagreement):
         lines.append("- Not held against the fit: from scratch, this model finds no balance along the campaign.")

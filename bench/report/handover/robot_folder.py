@@ -58,7 +58,7 @@ def hand_over(linear: LinearisedModel, fit: Fit, folder: Path, nominal: Path, un
 
     What acts by its changes alone (friction that joints held at rest) belongs to the campaign and is left out. Of what
     belongs to one recording, such as a payload or the zero of an encoder, the last recording's is written; of what
-    drifts from day to day, what lasts.
+    drifts from day to day, the mean of all days.
 
     Args:
         linear: The campaign.
