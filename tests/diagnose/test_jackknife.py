@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.diagnose.cross_validation.jackknife import jackknife_variance
+from bench.diagnose.cross_validation.jackknife import jackknife_covariance, jackknife_variance
 from bench.diagnose.cross_validation.leave_out import Tangent
 
 GROUPS, EACH = 12, 20
@@ -53,6 +53,24 @@ def test_what_one_group_shows_alone_is_not_told_by_the_others() -> None:
     slope[:EACH] = 1.0
     tangent = at_optimum(slope, np.random.default_rng(3).standard_normal(GROUPS * EACH), np.ones(1))
     assert jackknife_variance(tangent, *folds())[0] == 0
+
+
+def test_what_stands_for_one_another_moves_together() -> None:
+    """A payload and the mass of its link were each as uncertain as runs disagree, and their sum as if neither was seen.
+
+    So half a kilogram more was what the model had erred by, along the very motion that it was made of.
+    """
+    rng = np.random.default_rng(5)
+    slope = np.ones((GROUPS * EACH, 2))
+    slope[:, 1] += 0.3 * np.repeat(rng.standard_normal(GROUPS), EACH)
+    white = rng.standard_normal(GROUPS * EACH) + np.repeat(2 * rng.standard_normal(GROUPS), EACH)
+    tangent = at_optimum(slope, white, np.zeros(2))
+    both = jackknife_covariance(tangent, *folds())
+    np.testing.assert_allclose(np.diag(both), jackknife_variance(tangent, *folds()), rtol=1e-9)
+    together = np.ones(2)
+    assert together @ both @ together < 0.3 * np.trace(both)
+    means = [white.reshape(GROUPS, EACH)[:, :].mean(axis=1)]
+    assert together @ both @ together == pytest.approx(np.var(means, ddof=1) / GROUPS, rel=0.5)
 
 
 def test_what_is_left_out_beside_a_block_does_not_count_as_scatter() -> None:

@@ -56,12 +56,57 @@ def jackknife_variance(
         row_gap: Shape (m, K), readings that are left out beside each of K folds.
         first: Index of the first parameter that is asked for.
     """
-    free, count = tangent.free, row_gap.shape[1]
+    free = tangent.free
     asked = free >= first
     jacobian, precision, unit = tangent.jacobian[:, free], tangent.free_precision, np.eye(len(free))[:, asked]
     known = cho_solve(cho_factor(precision), unit)
+    moves, is_alone = _left_out(tangent, row_fold, row_gap, known, unit)
+    scatter = np.sum(moves[:, asked] ** 2, axis=0)
+    prior = np.diag(precision) - np.einsum("ij,ij->j", jacobian, jacobian)
+    variance = scatter + np.maximum(prior, 0.0) @ known**2
+    found = np.zeros(tangent.jacobian.shape[1] - first)
+    found[free[asked] - first] = np.where(is_alone, 0.0, variance)
+    return found
+
+
+def jackknife_covariance(tangent: Tangent, row_fold: NDArray[np.int64], row_gap: NDArray[np.bool_]) -> Array:
+    """Return how parameters vary together where fold after fold is left out, shape (p + k, p + k).
+
+    Without what priors hold back; 0 for what one fold shows nearly alone. What is fitted to all other folds predicts
+    much the same of them, so what parameters do together varies far less than each of them.
+
+    Args:
+        tangent: A fit in the linearised model.
+        row_fold: Shape (m,), of each reading.
+        row_gap: Shape (m, K), readings that are left out beside each of K folds.
+    """
+    free, unit = tangent.free, np.eye(len(tangent.free))
+    moves, is_alone = _left_out(tangent, row_fold, row_gap, cho_solve(cho_factor(tangent.free_precision), unit), unit)
+    moves[:, is_alone] = 0.0
+    found = np.zeros((tangent.jacobian.shape[1],) * 2)
+    found[np.ix_(free, free)] = moves.T @ moves
+    return found
+
+
+def _left_out(
+    tangent: Tangent, row_fold: NDArray[np.int64], row_gap: NDArray[np.bool_], known: Array, unit: Array
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Return by how much free parameters move without each fold, by the root of its weight, and which one shows alone.
+
+    Args:
+        tangent: A fit in the linearised model.
+        row_fold: Shape (m,), of each reading.
+        row_gap: Shape (m, K), readings that are left out beside each of K folds.
+        known: Shape (f, a), columns of the covariance of all.
+        unit: Shape (f, a), which those are.
+
+    Returns:
+        Shape (K, f), and (a,).
+    """
+    free, count = tangent.free, row_gap.shape[1]
+    jacobian, precision = tangent.jacobian[:, free], tangent.free_precision
     own = np.einsum("ij,ij->j", known, unit)
-    scatter, is_alone = np.zeros(len(own)), np.zeros(len(own), dtype=bool)
+    moves, is_alone = np.zeros((count, len(free))), np.zeros(len(own), dtype=bool)
     for f in range(count):
         mine = row_fold == f
         if not mine.any():
@@ -70,11 +115,7 @@ def jackknife_variance(
         share = min(absent.sum() / (mine.sum() * count), 1.0)  # folds count alike, for runs differ in what they tell
         gone = jacobian[absent]
         rest = cho_factor(precision - gone.T @ gone)
-        scatter += (1 - share) / share * cho_solve(rest, gone.T @ tangent.white[absent])[asked] ** 2
+        moves[f] = np.sqrt((1 - share) / share / count) * cho_solve(rest, gone.T @ tangent.white[absent])
         without = np.einsum("ij,ij->j", cho_solve(rest, unit), unit)
         is_alone |= own < (1 - ALONE) * without
-    prior = np.diag(precision) - np.einsum("ij,ij->j", jacobian, jacobian)
-    variance = scatter / count + np.maximum(prior, 0.0) @ known**2
-    found = np.zeros(tangent.jacobian.shape[1] - first)
-    found[free[asked] - first] = np.where(is_alone, 0.0, variance)
-    return found
+    return moves, is_alone

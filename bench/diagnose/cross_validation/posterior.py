@@ -2,26 +2,32 @@
 
 import numpy as np
 
+from bench.diagnose.cross_validation.folds import folds_of
+from bench.diagnose.cross_validation.jackknife import jackknife_covariance
 from bench.diagnose.cross_validation.leave_out import tangent_of
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.replay.given import Posterior, PosteriorParameter
 from bench.effects.fitted import entry_of
 
+WIDER = 1 + 1e-6  # rounding: times a variance; more than that was counted with it
+
 
 def posterior_of(linear: LinearisedModel, fit: Fit) -> Posterior:
     """Return what a fit knows, shapes of findings and what belongs to the campaign alone integrated out.
 
-    Sizes of findings are as uncertain as the fit states them, which may count how runs disagree (`jackknife.py`).
+    Where the fit counts how runs disagree about the sizes of its findings (`jackknife.py`), so does all that is known
+    here, together: figures and sizes that stand for one another move together from run to run, and what they predict
+    hardly does.
 
     Args:
         linear: The campaign.
         fit: To all of it.
     """
-    covariance = np.linalg.inv(tangent_of(linear, fit).precision)
-    p = len(fit.nuisances)
-    more = np.diag(fit.covariance) - np.diag(covariance)[p:]
-    covariance[p:, p:] += np.diag(np.maximum(more, 0.0))
+    tangent, p = tangent_of(linear, fit), len(fit.nuisances)
+    covariance = np.linalg.inv(tangent.precision)
+    if np.any(np.diag(fit.covariance) > WIDER * np.diag(covariance)[p:]):
+        covariance += jackknife_covariance(tangent, *folds_of(linear).of_rows(linear))
     found, which, width = [], [], []
     for i, nuisance in enumerate(linear.nuisances):
         if nuisance.is_simulated and nuisance.recording is None:
