@@ -24,9 +24,14 @@ def gaps_of(applied: Applied) -> Iterator[str]:
     figures = compiled.robot.figures
     joints = [drive.joint for drive in figures.drives]
     inertias = _listed(joints, model.dof_armature[at.q_dof].tolist())
-    yield f"rotor inertia at the joint (`armature` of Pinocchio) [kg m^2]: {inertias}"
+    slides, hinges = np.any(compiled.is_slide), not np.all(compiled.is_slide)
+
+    def unit(of_hinge: str, of_slide: str) -> str:
+        return f"{of_hinge}, of a slide {of_slide}" if slides and hinges else of_slide if slides else of_hinge
+
+    yield f"rotor inertia at the joint (`armature` of Pinocchio) [{unit('kg m^2', 'kg')}]: {inertias}"
     stiffness = _listed(joints, compiled.stiffness.tolist())
-    yield f"stiffness of the gears [Nm/rad]: {stiffness}; links of a URDF are where the motors are"
+    yield f"stiffness of the gears [{unit('Nm/rad', 'N/m')}]: {stiffness}; links of a URDF are where the motors are"
     if not compiled.has_plain_elements:
         yield "play, softening or coupling of the gears"
     if applied.passive:
@@ -47,7 +52,7 @@ def gaps_of(applied: Applied) -> Iterator[str]:
         yield f"gravity: ({', '.join(f'{x:g}' for x in model.opt.gravity)}) m/s^2 here"
     if figures.instruments.current:
         constants = [drive.torque_constant_nm_per_a for drive in figures.drives]
-        yield f"torque constants [Nm/A]: {_listed(joints, constants)}"
+        yield f"torque constants [{unit('Nm/A', 'N/A')}]: {_listed(joints, constants)}"
     if words := list(figures.fitted.words()):
         yield f"what `figures.yaml` holds as fitted beside the model: {', '.join(words)}"
     yield "shapes: take them from your own URDF"

@@ -8,13 +8,14 @@ from bench.robot.figures import Uncertainty
 from bench.robot.starter.defaults import ROTOR_GUESSED, DriveFigures
 from bench.robot.starter.source import Source, SourceJoint
 
+# figure -> in words, its unit of a hinge and of a slide
 WORDS = {
-    "rotor_inertia": "rotor inertia",
-    "stiffness": "stiffness of the gears",
-    "viscous": "viscous friction",
-    "coulomb": "Coulomb friction",
-    "torque_limit": "torque limit",
-    "speed_limit": "speed limit",
+    "rotor_inertia": ("rotor inertia", "kg m^2", "kg"),
+    "stiffness": ("stiffness of the gears", "Nm/rad", "N/m"),
+    "viscous": ("viscous friction", "Nm s/rad", "N s/m"),
+    "coulomb": ("Coulomb friction", "Nm", "N"),
+    "torque_limit": ("torque limit", "Nm", "N"),
+    "speed_limit": ("speed limit", "rad/s", "m/s"),
 }
 KEPT = ("the file", "armature of the file", "damping of the file", "frictionloss of the file")
 
@@ -35,13 +36,13 @@ def assumptions(source: Source, drives: Sequence[DriveFigures], heaviest: float)
         heaviest: Payload that may be unstated [kg].
     """
     found = []
-    for key, words in WORDS.items():
+    for key, (words, *units) in WORDS.items():
         by_reason: dict[str, list[str]] = {}
         for joint, drive in zip(source.joints, drives, strict=True):
             if not is_kept(drive, key):
                 by_reason.setdefault(drive.origins[key], []).append(f"{joint.name} {getattr(drive, key):g}")
         for reason, who in by_reason.items():
-            found.append(f"{words} ({', '.join(who)}): {_plainly(reason)}")
+            found.append(f"{words} ({', '.join(who)}) in {_unit(source, units)}: {_plainly(reason)}")
     if unlimited := [joint for joint in source.joints if not joint.has_limits]:
         found.append(f"range ({', '.join(map(_range, unlimited))}): the file has none")
     if source.made_up_names:
@@ -59,6 +60,13 @@ def assumptions(source: Source, drives: Sequence[DriveFigures], heaviest: float)
         "uncertainty of masses, centres of mass and friction: that of a model taken from a drawing",
         "uncertainty of stiffness: a factor of four",
     )
+
+
+def _unit(source: Source, units: Sequence[str]) -> str:
+    """Return the unit of a figure: that of hinges, that of slides, or both."""
+    of_hinge, of_slide = units
+    kinds = {joint.is_slide for joint in source.joints}
+    return f"{of_hinge}, of a slide {of_slide}" if len(kinds) > 1 else of_slide if True in kinds else of_hinge
 
 
 def _range(joint: SourceJoint) -> str:
