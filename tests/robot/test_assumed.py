@@ -73,7 +73,7 @@ def test_a_file_without_actuators_says_that_torque_limits_are_made_up(
     (tmp_path / "arm.xml").write_text(text)
     assert main(["new-robot", "arm", "--mjcf", str(tmp_path / "arm.xml"), "-o", str(tmp_path / "arm")]) == 0
     said = capsys.readouterr().out
-    assert re.search(r"assumed torque limit \(j1 .*j4 .*\): the file limits no torque", said)
+    assert re.search(r"assumed torque limit \(j1 .*j4 .*\) in Nm: the file limits no torque", said)
     assert "assumed speed limit (j1 3.142, j2 3.142, j3 3.142, j4 3.142) in rad/s: the file has none" in said
     assert "the file limits no torque" in (tmp_path / "arm" / "README.md").read_text()
     compiled = compile_robot(load_robot(tmp_path / "arm"))
