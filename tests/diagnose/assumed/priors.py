@@ -33,7 +33,7 @@ def noise() -> Noise:
     return Noise(campaign, nominal().robot.figures)
 
 
-@needs("replay.levels.GAS_DAY_K")
+@needs("effects.drifts.AIR_DAY_K")
 def gas_is_ten_kelvin_warmer_on_another_day_and_not_twenty() -> None:
     sigma = BETWEEN_TWO * prior("temperature of the gas", ("A", "B")).sigma
     assert 10.0 / sigma < 2.0 < 20.0 / sigma
