@@ -23,6 +23,7 @@ from bench.report.comparison.names import (
     together,
     unlisted_words,
 )
+from bench.report.comparison.recordings import GAS_TEMPERATURE
 from bench.report.diagnosis.headline import MOST, UNDECIDED
 from bench.report.diagnosis.names import capital, channel_name, fitting, in_short, listed
 from bench.report.diagnosis.names import title_of as named_as
@@ -38,8 +39,10 @@ UNFINISHED = (
     "This comparison ended before it was done: what is named was not yet held against the noise that it leaves, nor "
     "against what it does beyond proportion, so chance names a change more often than is said here."
 )
-GAS_TEMPERATURE = "gas_temperature_k"
-UNREAD_GAS = f". Gas that was lost pulls less as colder gas does; a thermometer ({GAS_TEMPERATURE}) tells them apart"
+UNREAD_GAS = (
+    f". Gas that was lost pulls less as colder gas does; a thermometer on each day ({GAS_TEMPERATURE}, a column or "
+    "under known:) tells them apart"
+)
 NONLINEAR = 0.12  # of a signature; beyond, its size is not to be taken at its word (diagnose/linearise/README.md: 12 %)
 
 
