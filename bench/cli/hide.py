@@ -27,8 +27,9 @@ class Hide:
     """Of noise, instruments and background errors."""
     machine: int | None = None
     """Seed of the machine itself, its figures and torque constants: recordings with the same one are of one machine
-    (bench compare), each with friction and a set-up of its day. Viscous friction differs by 15 % from day to day, which
-    a diagnosis of one recording may find. By default the machine comes with --seed, and there is no other day."""
+    (bench compare), each with friction, air and a set-up of its day. Viscous friction differs by 15 % from day to day,
+    and the air by 5 K, with gas as warm; a diagnosis of one recording may find that. By default the machine comes with
+    --seed, and there is no other day."""
     scenario: str = "session-short"
     """Name of a scenario that comes along, or path to a scenario file."""
     none: bool = False

@@ -6,11 +6,14 @@ from datetime import datetime
 
 import numpy as np
 
+from bench.diagnose.replay.noise import GAS_DRIFT_K
 from bench.errors import CampaignError
-from bench.record.campaign import Array, Campaign
+from bench.record.campaign import Array, Campaign, Run
 from bench.record.carried import with_payloads
+from bench.record.known import PAYLOAD, Known
 
 DAY = 86400.0  # exact: [s]
+GAS_TEMPERATURE = "gas_temperature_k"  # the column, and what is known
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +36,8 @@ class Recording:
 def recordings_of(before: Mapping[str, Campaign], after: Mapping[str, Campaign]) -> tuple[Recording, ...]:
     """Return the recordings before, then those after; the latter by the time at which they began where all say it.
 
-    A payload that the lab knows besides is what runs carry that state none.
+    A payload that the lab knows besides is what runs carry that state none; a temperature of the gas is what a
+    thermometer showed.
 
     Args:
         before: Name -> campaign of the machine as it was; several recordings in it count as repeats.
@@ -42,8 +46,10 @@ def recordings_of(before: Mapping[str, Campaign], after: Mapping[str, Campaign])
     Raises:
         CampaignError: There is none before or none after, two have the same name, or they are of different robots.
     """
-    found = [one for name, campaign in before.items() for one in _split(name, with_payloads(campaign), is_after=False)]
-    later = [one for name, campaign in after.items() for one in _split(name, with_payloads(campaign), is_after=True)]
+    found, later = (
+        [one for name, campaign in side.items() for one in _split(name, _with_known(campaign), is_after=is_after)]
+        for side, is_after in ((before, False), (after, True))
+    )
     if not found or not later:
         raise CampaignError("a comparison needs a recording before and at least one after")
     starts = [one.started for one in later]
@@ -68,6 +74,28 @@ def days_of(recordings: Sequence[Recording]) -> Array:
         return np.full(len(recordings), np.nan)
     seconds = np.array([_instant(one) for one in recordings])
     return np.asarray((seconds - seconds[0]) / DAY, dtype=np.float64)
+
+
+def is_used(known: Known) -> bool:
+    """Whether a comparison uses what the lab knows besides.
+
+    A temperature of the gas that is known worse than gas and a thermometer drift apart is left out.
+    """
+    return known.quantity == PAYLOAD or (known.quantity == GAS_TEMPERATURE and known.sigma <= GAS_DRIFT_K)
+
+
+def _with_known(campaign: Campaign) -> Campaign:
+    """Return a campaign whose runs carry the known payload, and have the known temperature where none was logged."""
+    campaign = with_payloads(campaign)
+    known = [one for one in campaign.known if one.quantity == GAS_TEMPERATURE and is_used(one)]
+
+    def with_column(run: Run) -> Run:
+        own = [one.value for one in known if one.recording in ("", run.recording)]
+        if not own or GAS_TEMPERATURE in run.columns:
+            return run
+        return replace(run, columns={**run.columns, GAS_TEMPERATURE: np.full(len(run), float(np.mean(own)))})
+
+    return replace(campaign, runs=tuple(map(with_column, campaign.runs)))
 
 
 def _instant(one: Recording) -> float:

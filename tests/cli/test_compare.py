@@ -82,6 +82,12 @@ def test_what_ends_early_hands_over_what_was_found(
     assert "ended before it was done" in (tmp_path / "out" / "report.html").read_text()
 
 
+def test_what_is_used_is_not_said(tmp_path: Path) -> None:
+    known = (Known("gas_temperature_k", 293.0, 0.5),)
+    write_campaign(replace(made(SWEEP, 1, machine=5), known=known), tmp_path / "noted")
+    assert not [one for one in open_compared([tmp_path / "noted"], None).warnings if "known" in str(one)]
+
+
 def test_what_is_not_used_is_said(campaigns: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     known = (Known("gas_temperature_k", 293.0, 4.0),)
     write_campaign(replace(made(SWEEP, 1, machine=5), known=known), tmp_path / "noted")
@@ -91,18 +97,6 @@ def test_what_is_not_used_is_said(campaigns: Path, tmp_path: Path, capsys: pytes
     said = capsys.readouterr()
     assert "noted: campaign.yaml: known: gas_temperature_k: is not used in a comparison" in said.err
     assert "Left out: gas_pressure_pa, read before or after alone." in said.out
-
-
-def test_gas_whose_temperature_is_known_is_gas_with_a_thermometer(campaigns: Path, tmp_path: Path) -> None:
-    folders = []
-    for seed in (1, 2):
-        known = (Known("gas_temperature_k", 290.0 + seed, 0.5),)
-        write_campaign(replace(made(SWEEP, seed, machine=5), known=known), tmp_path / str(seed))
-        folders.append(tmp_path / str(seed))
-    opened = open_compared(folders, None)
-    assert not [one for one in opened.warnings if "known" in str(one)]
-    for seed, campaign in enumerate(opened.campaigns.values(), start=1):
-        assert all(np.all(run.columns["gas_temperature_k"] == 290.0 + seed) for run in campaign.runs)
 
 
 @pytest.mark.parametrize(

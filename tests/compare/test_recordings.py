@@ -49,6 +49,21 @@ def test_a_payload_that_the_lab_weighed_is_what_runs_carry() -> None:
     assert carried[2] is None, "its reading is of a recording of another name"
 
 
+def test_gas_whose_temperature_is_known_has_a_thermometer() -> None:
+    """It was not used, and gas that was colder may have been lost. What is known badly is not."""
+    well, badly = (Known("gas_temperature_k", 291.0, sigma) for sigma in (0.5, 4.0))
+    logged = replace(RUN, columns={**RUN.columns, "gas_temperature_k": np.full(3, 295.0)})
+    campaigns = {
+        "well": replace(PLAIN, known=(well,)),
+        "badly": replace(PLAIN, known=(badly,)),
+        "logged": replace(PLAIN, runs=(logged,), known=(well,)),
+    }
+    found = {one.name: one.campaign.runs[0].columns for one in recordings_of({"a": PLAIN}, campaigns)}
+    np.testing.assert_array_equal(found["well"]["gas_temperature_k"], np.full(3, 291.0))
+    assert "gas_temperature_k" not in found["badly"]
+    np.testing.assert_array_equal(found["logged"]["gas_temperature_k"], np.full(3, 295.0))
+
+
 @pytest.mark.parametrize(
     ("before", "after", "words"),
     [

@@ -29,7 +29,9 @@ def drawn(spec: mujoco.MjSpec) -> dict[str, dict[str, np.ndarray]]:
     for actuator in spec.actuators:
         if actuator.plugin.active:
             own = attributes_of(spec, actuator.name)
-            found[actuator.name] = {k: np.fromstring(v, sep=" ") for k, v in own.items() if v[:1] in "+-.0123456789"}
+            found[actuator.name] = {
+                k: np.array(v.split(), dtype=float) for k, v in own.items() if v[:1] in "+-.0123456789"
+            }
     return found
 
 
@@ -37,16 +39,15 @@ def drawn(spec: mujoco.MjSpec) -> dict[str, dict[str, np.ndarray]]:
 @pytest.mark.parametrize("name", EDITED)
 def test_a_finding_that_is_hardly_off_leaves_the_robot_as_it_is(name: str, tmp_path: Path) -> None:
     """A ripple of friction that was off by a tenth became that tenth: its elements were set, and not added to."""
-    plain = PLAIN
     effect = CATALOGUE[name]
-    place = places_of(effect, plain)[-1]
-    values = typical(effect, plain, place)
-    edit = effect.edit(place, values, Conditions.reference(plain.n_joints))
+    place = places_of(effect, PLAIN)[-1]
+    values = typical(effect, PLAIN, place)
+    edit = effect.edit(place, values, Conditions.reference(PLAIN.n_joints))
     if edit is None:  # under the conditions at which figures hold
         pytest.skip("it is in no model that is handed over")
-    spec = read_spec(plain.robot)
-    compile_spec(spec, plain.robot, [edit])
-    write_robot(plain.robot, spec, plain.robot.figures, tmp_path / "robot", "")
+    spec = read_spec(PLAIN.robot)
+    compile_spec(spec, PLAIN.robot, [edit])
+    write_robot(PLAIN.robot, spec, PLAIN.robot.figures, tmp_path / "robot", "")
     handed = compile_robot(load_robot(tmp_path / "robot"))
     before = drawn(read_spec(handed.robot))
     shapes = {p.name: values[p.name] for p in effect.parameters if p.is_shape}

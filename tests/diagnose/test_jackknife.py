@@ -69,7 +69,7 @@ def test_what_stands_for_one_another_moves_together() -> None:
     np.testing.assert_allclose(np.diag(both), jackknife_variance(tangent, *folds()), rtol=1e-9)
     together = np.ones(2)
     assert together @ both @ together < 0.3 * np.trace(both)
-    means = [white.reshape(GROUPS, EACH)[:, :].mean(axis=1)]
+    means = white.reshape(GROUPS, EACH).mean(axis=1)  # which the sum is the mean of, but for what the second adds
     assert together @ both @ together == pytest.approx(np.var(means, ddof=1) / GROUPS, rel=0.5)
 
 

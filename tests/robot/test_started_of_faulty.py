@@ -88,7 +88,8 @@ def test_what_cannot_be_is_said_of_the_file(
     )
     words = " ".join(capsys.readouterr().err.split())
     assert said in words
-    assert file in words
+    assert f"{tmp_path / file}: " in words
+    assert f"{tmp_path / file}: {tmp_path / file}" not in words, "each fault names it once"
     assert "partial" not in words
     assert not (tmp_path / "arm").exists()
 

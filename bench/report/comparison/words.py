@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from bench.compare.comparison import Change, ChangedFinding, Comparison, Component
+from bench.compare.recordings import GAS_TEMPERATURE
 from bench.diagnose.replay.levels import GAS_OF_THE_DAY
 from bench.diagnose.replay.nuisances import THERMOMETER
 from bench.report.comparison.names import (
@@ -23,7 +24,6 @@ from bench.report.comparison.names import (
     together,
     unlisted_words,
 )
-from bench.report.comparison.recordings import GAS_TEMPERATURE
 from bench.report.diagnosis.headline import MOST, UNDECIDED
 from bench.report.diagnosis.names import capital, channel_name, fitting, in_short, listed
 from bench.report.diagnosis.names import title_of as named_as

@@ -1,11 +1,13 @@
 """What a robot has that its URDF cannot say, in sentences."""
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
 from bench.report.handover.applied import Applied
 from bench.robot.plugins import attributes_of
+from bench.robot.units import unit_of
 
 GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], which readers of URDF take unless told
 WITHOUT_FRICTION = (
@@ -23,12 +25,8 @@ def gaps_of(applied: Applied) -> Iterator[str]:
     compiled, model, at = applied.compiled, applied.compiled.model, applied.compiled.at
     figures = compiled.robot.figures
     joints = [drive.joint for drive in figures.drives]
+    unit = partial(unit_of, is_slide=compiled.is_slide)
     inertias = _listed(joints, model.dof_armature[at.q_dof].tolist())
-    slides, hinges = np.any(compiled.is_slide), not np.all(compiled.is_slide)
-
-    def unit(of_hinge: str, of_slide: str) -> str:
-        return f"{of_hinge}, of a slide {of_slide}" if slides and hinges else of_slide if slides else of_hinge
-
     yield f"rotor inertia at the joint (`armature` of Pinocchio) [{unit('kg m^2', 'kg')}]: {inertias}"
     stiffness = _listed(joints, compiled.stiffness.tolist())
     yield f"stiffness of the gears [{unit('Nm/rad', 'N/m')}]: {stiffness}; links of a URDF are where the motors are"

@@ -7,6 +7,7 @@ import numpy as np
 from bench.robot.figures import Uncertainty
 from bench.robot.starter.defaults import ROTOR_GUESSED, DriveFigures
 from bench.robot.starter.source import Source, SourceJoint
+from bench.robot.units import unit_of
 
 # figure -> in words, its unit of a hinge and of a slide
 WORDS = {
@@ -35,14 +36,14 @@ def assumptions(source: Source, drives: Sequence[DriveFigures], heaviest: float)
         drives: Figures of every drive.
         heaviest: Payload that may be unstated [kg].
     """
-    found = []
-    for key, (words, *units) in WORDS.items():
+    found, is_slide = [], [joint.is_slide for joint in source.joints]
+    for key, (words, of_hinge, of_slide) in WORDS.items():
         by_reason: dict[str, list[str]] = {}
         for joint, drive in zip(source.joints, drives, strict=True):
             if not is_kept(drive, key):
                 by_reason.setdefault(drive.origins[key], []).append(f"{joint.name} {getattr(drive, key):g}")
         for reason, who in by_reason.items():
-            found.append(f"{words} ({', '.join(who)}) in {_unit(source, units)}: {_plainly(reason)}")
+            found.append(f"{words} ({', '.join(who)}) in {unit_of(of_hinge, of_slide, is_slide)}: {_plainly(reason)}")
     if unlimited := [joint for joint in source.joints if not joint.has_limits]:
         found.append(f"range ({', '.join(map(_range, unlimited))}): the file has none")
     if source.made_up_names:
@@ -60,13 +61,6 @@ def assumptions(source: Source, drives: Sequence[DriveFigures], heaviest: float)
         "uncertainty of masses, centres of mass and friction: that of a model taken from a drawing",
         "uncertainty of stiffness: a factor of four",
     )
-
-
-def _unit(source: Source, units: Sequence[str]) -> str:
-    """Return the unit of a figure: that of hinges, that of slides, or both."""
-    of_hinge, of_slide = units
-    kinds = {joint.is_slide for joint in source.joints}
-    return f"{of_hinge}, of a slide {of_slide}" if len(kinds) > 1 else of_slide if True in kinds else of_hinge
 
 
 def _range(joint: SourceJoint) -> str:

@@ -84,9 +84,8 @@ def read_urdf(file: Path) -> Urdf | None:
     if root.tag != "robot":
         return None
     joints = root.findall("joint")
-    if faults := [
-        f"{file}: {fault}" for fault in (*_repeated(joints), *_faulty_limits(joints), *_in_degrees(root), *_loose(root))
-    ]:
+    faults = (*_repeated(joints), *_faulty_limits(joints), *_in_degrees(root), *_loose(root))
+    if faults:
         raise RobotError(f"{file}: {fault}" for fault in faults)
     speeds = {}
     for joint in joints:
