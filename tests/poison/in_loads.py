@@ -10,6 +10,7 @@ from tests.poison.in_tables import MOTION
 from tests.poison.variant import Sheet, Variant, tables
 
 LOADS = ("load_x_n", "load_y_n", "load_z_n")
+MEASURED = ("current", "tau_motor", "reflector", "force", "moment", "gas_pressure")
 
 
 def loads_that_were_forgotten(rng: np.random.Generator) -> Iterator[Variant]:
@@ -98,6 +99,36 @@ def places_out_of_line(rng: np.random.Generator) -> Iterator[Variant]:
         yield Variant("places out of line", f"{column} {off:g} m off in a motion", change, "harmless", words)
 
 
+def rows_at_rest_in_another_order(rng: np.random.Generator) -> Iterator[Variant]:
+    """Give readings at rest the rows of others, or repeats the numbers of the first."""
+    places = tuple(f"reflector_1_{axis}_m" for axis in "xyz")
+
+    def spoil(folder: Path, order: str) -> None:
+        for sheet in map(Sheet, tables(folder)):
+            if "pose" not in sheet.names:
+                continue
+            rows = list(range(len(sheet.rows)))
+            repeat = [int(float(row[sheet.names.index("repeat")])) for row in sheet.rows]
+            taken = {
+                "late": [max(row - 1, 0) for row in rows],
+                "shuffled": rng.permutation(rows).tolist(),
+                "copied": [row + 1 - repeat[row] for row in rows],
+            }[order]
+            own = places if order != "copied" else [n for n in sheet.names if n.startswith(MEASURED)]
+            old = [list(row) for row in sheet.rows]
+            for row, other in zip(rows, taken, strict=True):
+                for name in own:
+                    sheet.set(row + 1, name, old[other][sheet.names.index(name)])
+            sheet.write()
+
+    for order, answer, words in (
+        ("late", "doubt", ("reflector_1", "joined to")),
+        ("shuffled", "doubt", ("reflector_1", "not with them")),
+        ("copied", "harmless", ("repeat", "to the last digit in all channels")),
+    ):
+        yield Variant("rows at rest in another order", order, partial(spoil, order=order), answer, words)
+
+
 def unseen_characters(rng: np.random.Generator) -> Iterator[Variant]:
     def spoil(folder: Path, column: str, unseen: str) -> None:
         file = folder / "runs" / MOTION
@@ -116,5 +147,6 @@ FAMILIES = (
     noise_in_another_unit,
     known_beside_a_thermometer,
     places_out_of_line,
+    rows_at_rest_in_another_order,
     unseen_characters,
 )

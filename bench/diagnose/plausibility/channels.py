@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from bench.diagnose.plausibility.displaced import displaced
 from bench.diagnose.plausibility.drive_picture import LEAST, DrivePicture
 from bench.diagnose.plausibility.first_look import LEVEL, Clock, clock_of
+from bench.diagnose.plausibility.follows_loads import not_with_the_loads
 from bench.diagnose.plausibility.known_pressure import known_pressures
 from bench.diagnose.plausibility.loads import mistaken_at_rest
 from bench.diagnose.plausibility.mistaken import Mistake, doubt, mistakes_in, turned
@@ -77,7 +78,7 @@ def doubts_of(
         found = list(_of_drives(repeated, told, partial(_of_payload, stated, repeated))) if repeated.paid else []
         found += known_pressures(repeated)
         if not any(finding.column.startswith("load_") for finding in found):  # else that is why they move
-            found += unstated_loads(repeated)
+            found += list(unstated_loads(repeated)) or not_with_the_loads(repeated)
         if repeated.seen:
             found += displaced(repeated.by_others)
     except ConvergenceError as error:

@@ -8,6 +8,7 @@ import numpy as np
 from bench.diagnose.plausibility.between_runs import too_far_apart
 from bench.diagnose.plausibility.channels import doubts_of
 from bench.diagnose.plausibility.cold_gears import cold_gears
+from bench.diagnose.plausibility.copied_repeats import copied_repeats
 from bench.diagnose.plausibility.first_look import DriveLook, Factor
 from bench.diagnose.plausibility.known_temperature import known_temperatures
 from bench.diagnose.plausibility.late_channels import SURE, Late, late_drives, late_gauges, late_reflectors
@@ -79,6 +80,7 @@ def hints_of(
     found = [*too_far_apart(campaign, compiled), *unlike_currents(campaign, compiled), *unlike_weights(campaign)]
     found += [*known_temperatures(campaign), *cold_gears(campaign), *noise_as_stated(campaign, compiled.robot)]
     found += [*coarse_encoders(campaign, compiled.robot), *rounded_places(campaign, compiled.robot)]
+    found += copied_repeats(repeated)
     told = {finding.column for finding in known}
     found += [hint for hint in overloads(campaign, compiled) if hint.column not in told]
     found += [hint for hint in beyond_guessed_limits(campaign, compiled) if hint.column not in told]

@@ -129,7 +129,7 @@ def _shown(visit: _Visit, compiled: CompiledRobot, quantities: tuple[Quantity, .
     for c, quantity in enumerate(quantities):
         if quantity.is_drive:
             unit = abs(compiled.torque_constant[quantity.index]) if quantity.kind == "current" else 1.0
-            held = _held(compiled, quantity.index) / unit
+            held = held_at_rest(compiled, quantity.index) / unit
             for before, after in _unchanged(visit):
                 more = float(abs(visit.observed[after, c] - visit.observed[before, c]))
                 if more > held:
@@ -138,7 +138,7 @@ def _shown(visit: _Visit, compiled: CompiledRobot, quantities: tuple[Quantity, .
     return ""
 
 
-def _held(compiled: CompiledRobot, j: int) -> float:
+def held_at_rest(compiled: CompiledRobot, j: int) -> float:
     """Return what friction of a drive may hold at rest [Nm]: as usual, or what the model states where that is more."""
     stated = HOLDS * float(compiled.motor_coulomb[j] + compiled.link_coulomb[j])
     return max(HELD * torque_limit(compiled, j), stated)
