@@ -117,7 +117,7 @@ class _Fit:
         joint = background.joint
         self._replay, self._recordings = joint.linear.replay, joint.recordings
         read = joint.beyond + self._replay.predict(NOMINAL)
-        self._whole = background.plain + _whitened(background, read[:, :, None])[:, 0]
+        self._whole = background.by_instant.residual + _whitened(background, read[:, :, None])[:, 0]
         ends = np.array(bounds_of(change.cause, self._replay.compiled)) / self._unit
         self._low, self._high = ends.min(axis=0), ends.max(axis=0)
 

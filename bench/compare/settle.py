@@ -1,12 +1,14 @@
 """Noise and changes together: what the named changes leave is noise, and what is named has to stand out of that."""
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
 from bench.compare.background import Background, settled_background
 from bench.compare.profiles import Profile
-from bench.compare.search_changes import Found, find_changes
+from bench.compare.search_changes import Found, Possible, find_changes
+from bench.record.campaign import Array
 
 ROUNDS = 3  # effort: of noise and names, in turn
 # effort: log odds; noise that moves what is named by less is settled, a twelfth of what tells explanations apart
@@ -37,12 +39,7 @@ def settled_changes(
         named = found.best
         if not named:
             break
-        weights = [one.profile.weights[background.joint.of_row][:, None] for one in named]
-        changes = [
-            background.columns[:, one.entry.columns] * share * one.prior
-            for one, share in zip(named, weights, strict=True)
-        ]
-        settled = settled_background(background, np.concatenate(changes, axis=1))
+        settled = settled_background(background, partial(_changes, named))
         if settled is background:
             break
         progress("what changed, beside the noise that it leaves")
@@ -51,3 +48,12 @@ def settled_changes(
         moved = abs(found.alternatives[0].log_posterior - before.alternatives[0].log_posterior)
         if found.alternatives[0].keys == before.alternatives[0].keys and moved < SETTLED:
             break
+
+
+def _changes(named: Sequence[Possible], background: Background) -> Array:
+    """Return what some changes do, shape (m, k), whitened instant by instant, each with a prior of one."""
+    weights = [one.profile.weights[background.joint.of_row][:, None] for one in named]
+    changes = [
+        background.columns[:, one.entry.columns] * share * one.prior for one, share in zip(named, weights, strict=True)
+    ]
+    return np.concatenate(changes, axis=1)

@@ -112,6 +112,19 @@ def undo_segments(linear: LinearisedModel, white: Array, first: int = 0) -> None
             put_back(white[rows[0] - first : rows[-1] + 1 - first], whitening.modes, whitening.shrink)
 
 
+def settle_segments(linear: LinearisedModel, plain: Array, first: int = 0) -> None:
+    """Take what segments have in common out of values that were whitened instant by instant, in place.
+
+    Args:
+        linear: The model.
+        plain: Shape (M, k), of whole segments.
+        first: Index of the first of these readings among all.
+    """
+    for rows, whitening in _segments(linear):
+        if len(rows) and first <= rows[0] < first + len(plain):
+            take_out(plain[rows[0] - first : rows[-1] + 1 - first], whitening.modes, whitening.shrink)
+
+
 def shared_whitening(linear: LinearisedModel, repeatability: Repeatability, cells: NDArray[np.intp]) -> SharedWhitening:
     """Return the whitening of a joint model.
 

@@ -36,7 +36,7 @@ def background(kind: str) -> Background:
     recordings = recordings_of({"before": made(session, 1, machine=3)}, after)
     own = background_of(joint_of(recordings, nominal(), FEW, most_bins=40))
     missed = replace(own.repeatability, shared=np.full_like(own.repeatability.shared, MISSED))
-    return assembled(own.joint, missed, own.cells)
+    return assembled(own.by_instant, missed, own.cells)
 
 
 def profiles(kind: str) -> tuple[Profile, ...]:
