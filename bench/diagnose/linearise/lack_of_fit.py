@@ -108,10 +108,14 @@ def as_simulated(linear: LinearisedModel, explained: Array, left: Array, share: 
 
 
 def _by_quantity(linear: LinearisedModel, left: Array, freedom: Array, *, counts_alike: bool = True) -> Array:
-    """Return the variance of residuals, shape (m,), of every quantity at rest and in motion, shape (2, c)."""
+    """Return the variance of residuals, shape (m,), of every quantity at rest and in motion, shape (2, c).
+
+    What is known besides, and what an earlier diagnosis knew, is no instrument that could scatter: it is as well known
+    as it was stated, or everything that it contradicts could hide in it.
+    """
     found = np.ones((2, len(linear.quantities)))
-    for c in range(len(linear.quantities)):
-        for kind in (0, 1):
+    for c, quantity in enumerate(linear.quantities):
+        for kind in (0, 1) if not quantity.is_known else ():
             rows = (linear.kind_of == kind) & (linear.column_of == c)
             if np.count_nonzero(rows) >= FEW:
                 together = 1.0
