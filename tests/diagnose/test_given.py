@@ -11,6 +11,7 @@ from bench.diagnose.cross_validation.posterior import posterior_of
 from bench.diagnose.diagnose import diagnose
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause, causes_of
+from bench.diagnose.linearise.lack_of_fit import FEW, missed
 from bench.diagnose.linearise.linearised_model import LinearisedModel, fit
 from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.replay.given import EARLIER, Posterior, PosteriorParameter, given_by, with_earlier
@@ -93,6 +94,21 @@ def test_two_campaigns_in_a_row_are_both_at_once(robot: CompiledRobot, tmp_path:
     np.testing.assert_allclose(np.linalg.inv(precision), np.linalg.inv(information), rtol=ROUNDING, atol=ROUNDING)
     alone = np.linalg.inv(jacobian.T @ jacobian + np.eye(len(names)))
     assert np.max(alone[shared, shared] / np.linalg.inv(precision)[shared, shared]) > 1.5
+
+
+def test_what_an_earlier_diagnosis_knew_is_no_instrument_that_scatters(robot: CompiledRobot, tmp_path: Path) -> None:
+    """A tool that was 1.2 kg heavier was 165 times the scatter of what was known, and mass of the tool by that."""
+    first = linear_of(made(robot, 1), robot)
+    fitted = refit(first, (), {})
+    hand_over(first, fitted, tmp_path / "robot", tmp_path / "nominal.xml")
+    handed = compile_robot(load_robot(tmp_path / "robot"))
+    later = linear_of(made(robot, 2), handed, posterior_of(first, fitted))
+    contradicted = np.full(len(later.white), 30.0)
+    knew = np.array([quantity == EARLIER for quantity in later.quantities])
+    assert np.count_nonzero(later.column_of == np.flatnonzero(knew)) >= FEW
+    for factors in (missed(later, contradicted), missed(later, contradicted, is_last=True)):
+        assert np.max(factors[:, ~knew]) > 10
+        assert np.max(factors[:, knew]) <= 1
 
 
 @pytest.mark.parametrize("wider", [1.0, 2.0], ids=["least squares", "runs disagree"])
