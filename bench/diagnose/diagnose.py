@@ -128,6 +128,8 @@ def diagnose(
 
 def _concluded(task: Task, found: Explained, *, proposes: bool) -> Diagnosis:
     """Return the verdict, with what to measure next and what could not be seen."""
+    # which an unfinished one does not have yet
+    found = replace(found, extension=found.extension or extension_of(found.naming, found.discrepancy))
     naming, signatures, executor = found.naming, found.signatures, task.executor
     proposals: tuple[Proposal, ...] = ()
     predicted: tuple[PredictedError, ...] = ()
@@ -160,8 +162,7 @@ def _concluded(task: Task, found: Explained, *, proposes: bool) -> Diagnosis:
     contradicted = tuple(contradicted_readings(naming.linear, found.fit.residual))
     verdict = replace(verdict, changed=changed_figures(found.about, found.fit), slow=slow, contradicted=contradicted)
     verdict = replace(verdict, links=next(links) / next(links))
-    extension = found.extension or extension_of(naming, found.discrepancy)  # which an unfinished one does not have yet
-    return Diagnosis(found.about, naming, verdict, found.discrepancy, extension)
+    return Diagnosis(found.about, naming, verdict, found.discrepancy, found.extension)
 
 
 def signatures_of(

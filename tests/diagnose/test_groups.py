@@ -117,3 +117,9 @@ def test_what_is_no_better_than_nothing_is_no_name() -> None:
     weights = {key: float(np.exp(value)) for key, value in posterior.items()}
     of_both = sum(weight for key, weight in weights.items() if key & offset.keys)
     assert offset.probability == pytest.approx(of_both / sum(weights.values()))
+
+
+def test_one_cause_in_the_place_of_all_findings_is_one_finding() -> None:
+    """A diagnosis that ended before it fitted a payload of 1.2 kg named it seven times, for all that imitates it."""
+    (far,) = groups("gas", "offset", gas_offset=0.0, far_offset=50.0, far_gas=50.0, far=60.0)
+    assert set(far) == {"far"}

@@ -103,6 +103,17 @@ def test_what_the_search_has_found_is_kept(
     assert diagnosis.extension is not None
 
 
+def test_figures_have_changed_as_the_model_with_what_was_found_has_them(
+    campaign: Campaign, effects: Mapping[str, Effect], store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They were those of the model without: beside a payload of 1.2 kg, a link that had lost 99.9 % of its mass."""
+    asked: list[object] = []
+    monkeypatch.setattr("bench.diagnose.diagnose.changed_figures", lambda linear, fit: asked.append(fit) or ())
+    diagnosis = stopped_at("gain of each", campaign, effects, store=store)
+    assert diagnosis.extension is not None
+    assert asked == [diagnosis.extension]
+
+
 @pytest.mark.parametrize("words", ["gain on", "the next", "what this campaign"])
 def test_what_follows_the_naming_is_left_out(
     words: str, campaign: Campaign, effects: Mapping[str, Effect], store: Store, whole: Verdict

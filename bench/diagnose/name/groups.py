@@ -78,7 +78,13 @@ def groups_of(
         if before == every or before.isdisjoint(exchanges[key]):  # with another of its names, nothing is missing
             found = _Exchange(before, after, {before, after} <= simulated)
             exchanges[key].setdefault(next(iter(new)), []).append(found)
-    return tuple(_group(key, exchanges[key], posterior, causes) for key in best if key in causes)
+    # of a model that was not finished, one cause may be all that is likely in the place of each of several findings
+    by_names: dict[Keys, AmbiguityGroup] = {}
+    for key in best:
+        if key in causes:
+            group = _group(key, exchanges[key], posterior, causes)
+            by_names.setdefault(group.keys, group)
+    return tuple(by_names.values())
 
 
 @dataclass(frozen=True)

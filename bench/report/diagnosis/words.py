@@ -180,6 +180,8 @@ def _finding(group: AmbiguityGroup) -> Iterator[str]:
         for parameter in cause.parameters:
             meaning = meaning_of(parameter)
             yield f"{'':13}{parameter_text(parameter)}" + (f"   {meaning}" if meaning else "")
+        if not cause.parameters:
+            yield f"{'':13}no model with it was fitted before the diagnosis ended: its size is not known"
         if cause.advice:
             yield f"{'':13}check: {cause.advice}"
     if group.may_be_unlisted:
