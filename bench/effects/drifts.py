@@ -46,7 +46,7 @@ BETWEEN: Mapping[str, Between] = {
     "frame_drift": "anew",
     "drift_direction": "anew",
     "placement": "anew",  # reflectors are put into their nests again; where nests are is geometry
-    "encoder_offset": "same",
+    "encoder_offset": "same",  # but for the part that figures say is
     "link_encoder_offset": "anew",  # but for the part that figures say is not zeroed anew
 }
 
@@ -85,7 +85,7 @@ def own_shares(figures: Figures) -> dict[str, Array | float]:
     for name, sigmas in stated.items():
         shares = np.array([(own_part(name, sigma) / sigma) ** 2 if sigma else 0.0 for sigma in sigmas])
         found[name] = shares if len(shares) > 1 else float(shares[0])
-    encoder = instruments.link_encoder
-    if encoder and encoder.zeroing_sigma_rad is not None and encoder.offset_sigma_rad:
-        found["link_encoder_offset"] = min(1.0, (encoder.zeroing_sigma_rad / encoder.offset_sigma_rad) ** 2)
+    for name, encoder in (("encoder_offset", instruments.encoder), ("link_encoder_offset", instruments.link_encoder)):
+        if encoder and encoder.zeroing_sigma_rad is not None and encoder.offset_sigma_rad:
+            found[name] = min(1.0, (encoder.zeroing_sigma_rad / encoder.offset_sigma_rad) ** 2)
     return found

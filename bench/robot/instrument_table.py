@@ -29,9 +29,9 @@ PARTS: tuple[tuple[str, type[BaseModel]], ...] = (
 )
 # Defaults that are no numbers
 IN_WORDS = {
-    "torque_constant_nm_per_a": "an error where currents are given",
-    "payload_kg": "the rated load",
-    "zeroing_sigma_rad": "all of `offset_sigma_rad`",
+    "drives[].torque_constant_nm_per_a": "an error where currents are given",
+    "uncertainty.payload_kg": "the rated load",
+    "instruments.link_encoder.zeroing_sigma_rad": "all of `offset_sigma_rad`",
 }
 
 
@@ -43,8 +43,9 @@ def table() -> str:
         for name, field in kind.model_fields.items():
             if kind is Drive and not isinstance(field.default, float):
                 continue  # names of parts
-            default = IN_WORDS[name] if name in IN_WORDS else _said(field.default, field.is_required())
-            lines.append(f"| `{place}.{name}` | {default} | {_range(schemas[name])} | {field.description} |")
+            key = f"{place}.{name}"
+            default = IN_WORDS[key] if key in IN_WORDS else _said(field.default, field.is_required())
+            lines.append(f"| `{key}` | {default} | {_range(schemas[name])} | {field.description} |")
     return "\n".join(lines)
 
 

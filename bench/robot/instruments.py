@@ -89,6 +89,11 @@ class Encoder(Strict):
 
     resolution_rad: Noise = Field(2e-7, le=RAD, description="[rad], step of the reading, at the joint")
     offset_sigma_rad: NonNegative = Field(0.0, le=TURN, description="[rad], of its zero, one draw per drive")
+    zeroing_sigma_rad: NonNegative = Field(
+        0.0,
+        le=TURN,
+        description="[rad], of the part of its zero that is another one in each recording: drives homed anew",
+    )
     delay_s: NonNegative = Field(0.0, le=S, description="[s], by which it reads late")
 
 

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.compare.levels import is_of_machine
+from bench.compare.levels import EVERY, by_level, is_of_machine
 from bench.diagnose.diagnose import diagnose
+from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.replay.levels import with_recordings
 from bench.diagnose.replay.nuisances import MOTOR_ZERO, Nuisance, nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
@@ -14,6 +15,7 @@ from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
 from bench.diagnose.replay.world import World
 from bench.effects.catalogue import catalogue
+from bench.effects.drifts import own_shares
 from bench.effects.effect import Acting
 from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Campaign
@@ -27,10 +29,10 @@ STATED = 2e-4  # [rad]
 ZERO = catalogue()["joint_zero"]
 
 
-def stating(sigma: float) -> CompiledRobot:
-    """Return the HH-150 with zeros of its motors that are known so well."""
+def stating(sigma: float, zeroing: float = 0.0) -> CompiledRobot:
+    """Return the HH-150 with zeros of its motors that are known so well, and are found anew so well each day."""
     robot = load_robot("hh150")
-    encoder = Encoder(offset_sigma_rad=sigma)
+    encoder = Encoder(offset_sigma_rad=sigma, zeroing_sigma_rad=zeroing)
     instruments = robot.figures.instruments.model_copy(update={"encoder": encoder})
     return compile_robot(replace(robot, figures=robot.figures.model_copy(update={"instruments": instruments})))
 
@@ -54,6 +56,32 @@ def test_each_motor_has_one_as_well_as_it_is_stated(loads: Campaign) -> None:
         (None, STATED)
     ] * 6  # they stay as they are
     assert all(is_of_machine(one) for one in zeros)
+
+
+def test_drives_that_are_homed_anew_have_another_zero_each_day(loads: Campaign) -> None:
+    """On a stranger's arm all seven moved by 0.01 degrees, and `compare` named the zero of one joint for them."""
+    compiled = stating(STATED, 0.6 * STATED)
+    both = with_recordings(zeros_of(compiled, loads), compiled, ("may", "june"))
+    of_first = [(one.recording, one.sigma) for one in both if one.encoder == 0]
+    assert of_first == [
+        (None, pytest.approx(0.8 * STATED)),
+        ("may", pytest.approx(0.6 * STATED)),
+        ("june", pytest.approx(0.6 * STATED)),
+    ]
+    assert own_shares(compiled.robot.figures)["encoder_offset"] == pytest.approx(0.36)
+    linear = linearised_model_of(
+        Replay(
+            compiled,
+            segments_of(loads, compiled, quantities_of(loads.runs, compiled), 60),
+            quantities_of(loads.runs, compiled),
+        ),
+        zeros_of(compiled, loads),
+    )
+    half = np.arange(len(linear.white)) >= len(linear.white) // 2
+    slopes = by_level(linear.jacobian, linear.nuisances, half.astype(np.intp), 1.0)
+    of_days = slopes.matrix[:, (slopes.nuisance == 0) & (slopes.recording != EVERY)]
+    assert of_days.shape[1] == 2
+    np.testing.assert_allclose(of_days.sum(axis=1), 0.6 * linear.jacobian[:, 0])
 
 
 def test_it_does_what_a_zero_that_is_hidden_does(loads: Campaign) -> None:

@@ -225,9 +225,10 @@ def _turned(axis: Array, x: float, wrench: Array) -> Array:
 def _motor_zeros(compiled: CompiledRobot) -> list[Nuisance]:
     """Return the zeros of the motors' encoders, as well as they are stated; of a slide in m."""
     encoder = compiled.robot.figures.instruments.encoder
-    sigma = encoder.offset_sigma_rad if encoder else 0.0
+    sigma, zeroing = (encoder.offset_sigma_rad, encoder.zeroing_sigma_rad) if encoder else (0.0, 0.0)
+    one = Nuisance(MOTOR_ZERO, "rad", sigma, between="drifts" if zeroing else "same", own=min(zeroing, sigma))
     joints = [drive.joint for drive in compiled.robot.figures.drives]
-    return [Nuisance(f"{MOTOR_ZERO}{joint}", "rad", sigma, encoder=j) for j, joint in enumerate(joints)]
+    return [replace(one, name=f"{MOTOR_ZERO}{joint}", encoder=j) for j, joint in enumerate(joints)]
 
 
 def _drives(compiled: CompiledRobot, kinds: set[str]) -> list[Nuisance]:
