@@ -16,6 +16,7 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.marginal import AT_A_TIME, Nuisances
 from bench.diagnose.linearise.other_noise import raised, with_scatter
 from bench.diagnose.linearise.screening import Entry
+from bench.executor.watched import Check, never
 from bench.record.campaign import Array
 
 # rounding: share of the scatter of friction at rest, as a standard deviation, that is tried beside all of it. That is
@@ -78,7 +79,7 @@ class Background:
         return np.array([np.mean(count[of == k] > 1) for k in range(len(self.joint.recordings))])
 
 
-def background_of(joint: Joint) -> Background:
+def background_of(joint: Joint, check: Check = never) -> Background:
     """Return all recordings with everything that stayed as it was.
 
     The discrepancy is every cause of the catalogue with its plausible sizes, and every free shape, acting in all
@@ -86,29 +87,35 @@ def background_of(joint: Joint) -> Background:
     probable (REML), taken for unchanged. It depends on all that was done before, so that is asked only where all
     recordings run one program; otherwise all of it counts.
 
+    Args:
+        joint: All recordings.
+        check: Called between steps; what it raises ends it.
+
     Raises:
         InputError: Nothing of the catalogue would leave a trace.
     """
     cells, as_stated = cells_of(joint.linear.segments, joint.of_segment), ByInstant.of(joint)
-    found = _first(as_stated, cells)
+    found = _first(as_stated, cells, check)
     if not is_one_program(joint.linear.segments, joint.of_segment):
         return found
     held = with_scatter(joint.linear, replace(joint.linear.scatter, new=HELD))
-    return max(found, _first(as_stated.again(held), cells), key=_log_evidence)
+    return max(found, _first(as_stated.again(held), cells, check), key=_log_evidence)
 
 
-def _first(by_instant: ByInstant, cells: NDArray[np.intp]) -> Background:
+def _first(by_instant: ByInstant, cells: NDArray[np.intp], check: Check) -> Background:
     """Return the background with noise that counts what not even everything together explains.
 
     Each recording is fitted by itself with all that could be added to its model, so no change counts as noise.
     """
     known = Repeatability.of_instruments(len(by_instant.joint.linear.quantities))
     for _ in range(ROUNDS):
+        check()
         before, linear = known, by_instant.joint.linear
         known = repeatability_of(linear, *_left_of_each(by_instant), cells, before)
         by_instant = by_instant.again(raised(linear, np.sqrt(known.own / before.own)))
         if _is_settled(before, known):
             break
+    check()
     return assembled(by_instant, known, cells)
 
 
@@ -146,14 +153,18 @@ def _is_settled(before: Repeatability, after: Repeatability) -> bool:
     )
 
 
-def settled_background(background: Background, changes: Callable[[Background], Array]) -> Background:
+def settled_background(
+    background: Background, changes: Callable[[Background], Array], check: Check = never
+) -> Background:
     """Return the background with noise that counts all that some changes leave of the readings.
 
     Args:
         background: So far.
         changes: Of a background, what they change, shape (m, k), whitened instant by instant, each with a prior of one.
+        check: Called between steps; what it raises ends it.
     """
     for _ in range(ROUNDS):
+        check()
         before, linear = background.repeatability, background.joint.linear
         after = repeatability_of(linear, *_left(background, changes(background)), background.cells, before)
         if _is_settled(before, after):

@@ -78,7 +78,7 @@ def compare(
         joined = partial(joint_of, recordings, compiled, catalogue, most_bins, executor, store)
         known, unfinished = None, None
         try:
-            for one in weighing(joined, rate, begin):
+            for one in weighing(joined, rate, begin, check):
                 known = one
         except Stopped as stopped:
             if known is None:
@@ -101,6 +101,7 @@ def weighing(
     joined: Callable[[tuple[LargeChange, ...], Joint | None], Joint],
     rate: float = FALSE_ALARM_RATE,
     progress: Callable[[str], None] = lambda words: None,
+    check: Check = never,
 ) -> Iterator[tuple[Background, Found]]:
     """Yield what stayed as it was and what changed, at last with settled noise.
 
@@ -109,9 +110,10 @@ def weighing(
             without.
         rate: Share of unchanged machines of which anything at all may be said to have changed.
         progress: Called with what is done next; what it raises ends it.
+        check: Called within that; what it raises ends it.
     """
     progress("signatures")
-    for background, found in _settling(joined((), None), rate, progress):
+    for background, found in _settling(joined((), None), rate, progress, check):
         yield background, found
     for _ in range(MOST_LARGE):
         if found.best:
@@ -121,7 +123,8 @@ def weighing(
             break
         progress(f"signatures beside {large.cause}")
         try:
-            again = _last(_settling(joined((*background.joint.large, large), background.joint), rate, progress))
+            joint = joined((*background.joint.large, large), background.joint)
+            again = _last(_settling(joint, rate, progress, check))
         except NOT_SIMULATED:  # signatures about the machine as it was have to do
             break
         if large.cause.key not in again[1].alternatives[0].keys:  # what it does beyond proportion is not there
@@ -130,11 +133,13 @@ def weighing(
         yield background, found
 
 
-def _settling(joint: Joint, rate: float, progress: Callable[[str], None]) -> Iterator[tuple[Background, Found]]:
+def _settling(
+    joint: Joint, rate: float, progress: Callable[[str], None], check: Check
+) -> Iterator[tuple[Background, Found]]:
     progress("what stayed as it was")
-    background = background_of(joint)
+    background = background_of(joint, check)
     profiles = profiles_of(sum(not one.is_after for one in joint.recordings), days_of(joint.recordings))
-    return settled_changes(background, profiles, rate, progress)
+    return settled_changes(background, profiles, rate, progress, check)
 
 
 def _last(known: Iterator[tuple[Background, Found]]) -> tuple[Background, Found]:

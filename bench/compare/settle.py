@@ -8,6 +8,7 @@ import numpy as np
 from bench.compare.background import Background, settled_background
 from bench.compare.profiles import Profile
 from bench.compare.search_changes import Found, Possible, find_changes
+from bench.executor.watched import Check, never
 from bench.record.campaign import Array
 
 ROUNDS = 3  # effort: of noise and names, in turn
@@ -20,6 +21,7 @@ def settled_changes(
     profiles: Sequence[Profile],
     rate: float,
     progress: Callable[[str], None] = lambda words: None,
+    check: Check = never,
 ) -> Iterator[tuple[Background, Found]]:
     """Yield what changed, at last with noise that counts all that the named changes leave.
 
@@ -31,6 +33,7 @@ def settled_changes(
         profiles: Courses.
         rate: Declared false-alarm rate.
         progress: Called with what is done next; what it raises ends it.
+        check: Called within that; what it raises ends it.
     """
     progress("what changed")
     found = find_changes(background, profiles, rate)
@@ -39,7 +42,7 @@ def settled_changes(
         named = found.best
         if not named:
             break
-        settled = settled_background(background, partial(_changes, named))
+        settled = settled_background(background, partial(_changes, named), check)
         if settled is background:
             break
         progress("what changed, beside the noise that it leaves")

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from bench.compare.background import background_of
 from bench.compare.by_instant import ByInstant
 from bench.compare.joint import Joint, joint_of
 from bench.compare.recordings import recordings_of
@@ -46,3 +47,10 @@ def test_it_is_as_if_it_were_made_again(kind: str, other: Callable[[LinearisedMo
     for one, other_one in zip(found.entries, expected.entries, strict=True):
         assert str(one.what) == str(other_one.what) or one.cause == other_one.cause
         np.testing.assert_array_equal(one.what.columns, found.columns[:, one.columns])
+
+
+def test_it_may_be_stopped_between_steps() -> None:
+    """A comparison that was to end after five minutes ended after seven, for one step took a minute."""
+    looked = []
+    background_of(joint("sweep"), lambda: looked.append(None))
+    assert len(looked) >= 4  # twice with each scatter of friction at rest
