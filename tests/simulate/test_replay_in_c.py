@@ -63,9 +63,23 @@ def _weak_friction(spec: mujoco.MjSpec, robot: Robot) -> None:
         spec.actuator(drive.link_friction).forcerange = (-10.0, 10.0)
 
 
+def _limited_joints(most: float) -> SpecEdit:
+    """Return an edit by which joints cut off what actuators do on them, as a URDF's `effort` becomes."""
+
+    def edit(spec: mujoco.MjSpec, robot: Robot) -> None:
+        for drive in robot.figures.drives:
+            spec.joint(drive.joint).actfrclimited = True
+            spec.joint(drive.joint).actfrcrange = (-most, most)
+            spec.actuator(drive.servo).forcerange = (-most / 2, most / 2)
+
+    return edit
+
+
 # the last two are for MuJoCo to evaluate
 EDITS: dict[str, SpecEdit] = {
     "rigid": _rigid,
+    "limited joints": _limited_joints(1e6),
+    "joints whose friction is cut off": _limited_joints(20.0),
     "hardening": _hardening,
     "plastic": _plastic,
     "cubic drag": _cubic_drag,

@@ -62,6 +62,23 @@ def test_same_motion_on_every_robot(name: str) -> None:
     assert_same(whole, lean)
 
 
+@pytest.mark.parametrize(("most", "is_reached"), [(1e6, False), (800.0, True)])
+def test_same_motion_where_joints_cut_off_what_acts_on_them(most: float, is_reached: bool) -> None:
+    """A URDF's `effort` is such a limit, so every robot made of one took four times as long."""
+
+    def limited(spec: mujoco.MjSpec, robot: Robot) -> None:
+        for drive in robot.figures.drives:
+            for joint in (spec.joint(drive.joint), spec.joint(drive.rotor)):
+                joint.actfrclimited = True
+                joint.actfrcrange = (-most, most)
+            spec.actuator(drive.servo).forcerange = (-most, most)
+
+    whole, lean, plant = both(load_robot("hh150"), (limited,))
+    assert plant.tracker.is_lean
+    assert (plant.tracker.whole_steps > 240) is is_reached
+    assert_same(whole, lean)
+
+
 def effects() -> list[tuple[str, int]]:
     return [(name, 0) for name in catalogue()] + [(name, -1) for name in catalogue()]
 

@@ -46,7 +46,7 @@ static bool is_free(const mjModel* m) {
     odd = odd || m->geom_contype[i] || m->geom_conaffinity[i];
   }
   for (int i = 0; i < m->njnt; i++) {
-    odd = odd || m->jnt_actfrclimited[i] || m->dof_frictionloss[i] != 0;
+    odd = odd || m->dof_frictionloss[i] != 0;
   }
   for (int i = 0; i < m->ntendon; i++) {
     odd = odd || m->tendon_limited[i] || m->tendon_actfrclimited[i] || m->tendon_frictionloss[i] != 0 ||
@@ -80,6 +80,9 @@ bool forces_read(Forces* self, const mjModel* m) {
     self->advance[i] = plugin->advance;
   }
   self->nplugin = odd ? 0 : (int)m->nplugin;
+  for (int i = 0; i < m->njnt; i++) {
+    self->has_limits = self->has_limits || m->jnt_actfrclimited[i];
+  }
   self->is_plain = !m->nplastic && !any(m->jnt_stiffnesspoly, mjNPOLY * m->njnt) &&
                    !any(m->tendon_stiffnesspoly, mjNPOLY * m->ntendon);
   for (int i = 0; i < m->ntendon && !odd; i++) {
@@ -255,6 +258,27 @@ static void add_actuator(mjtNum* force, const mjModel* m, const mjData* d, int i
   add_row(force, d->actuator_moment + row, d->moment_colind + row, d->moment_rownnz[out], d->actuator_force[out]);
 }
 
+// Whether all that actuators do on joints with a limit (`actuatorfrcrange`) is within it.
+static bool are_within(const mjModel* m, const mjtNum* acted) {
+  for (int i = 0; i < m->njnt; i++) {
+    if (m->jnt_actfrclimited[i] && !is_inside(m->jnt_actfrcrange + 2 * i, acted[m->jnt_dofadr[i]])) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// Cuts what actuators do off at the limits of their joints.
+static void cut_off(const mjModel* m, mjtNum* acted) {
+  for (int i = 0; i < m->njnt; i++) {
+    if (m->jnt_actfrclimited[i]) {
+      const mjtNum* range = m->jnt_actfrcrange + 2 * i;
+      mjtNum* one = acted + m->jnt_dofadr[i];
+      *one = mju_clip(*one, range[0], range[1]);
+    }
+  }
+}
+
 bool forces_update(const Forces* self, const Tree* tree, const mjModel* m, mjData* d, mjtNum* force) {
   update_springs(self, tree, m, d, force);
   for (int i = 0; i < self->nservo; i++) {
@@ -263,12 +287,22 @@ bool forces_update(const Forces* self, const Tree* tree, const mjModel* m, mjDat
     }
   }
   update_plugins(self, m, d);
+  mjtNum apart[MAX_LINKS], *acted = self->has_limits ? apart : force;
+  zero(apart, (int)m->nv);
   for (int i = 0; i < m->nactuator; i++) {
     if (m->actuator_forcelimited[i] &&
         !is_inside(m->actuator_forcerange + 2 * i, d->actuator_force[m->actuator_outadr[i]])) {
       return false;
     }
-    add_actuator(force, m, d, i);
+    add_actuator(acted, m, d, i);
+  }
+  if (self->has_limits) {
+    if (!are_within(m, apart)) {
+      return false;
+    }
+    for (int i = 0; i < m->nv; i++) {
+      force[i] += apart[i];
+    }
   }
   return true;
 }
@@ -283,6 +317,9 @@ void forces_undriven(const Forces* self, const Tree* tree, const mjModel* m, mjD
     } else {
       d->actuator_force[m->actuator_outadr[i]] = 0;
     }
+  }
+  if (self->has_limits) {
+    cut_off(m, d->qfrc_actuator);
   }
 }
 

@@ -25,7 +25,8 @@ typedef struct Servo {
 
 typedef struct Forces {
   int nstraight, nservo, nplugin;
-  bool is_plain;  // springs are linear but for dead bands, and none yields
+  bool is_plain;    // springs are linear but for dead bands, and none yields
+  bool has_limits;  // joints cut off what actuators do on them
   Straight straight[MAX_STRAIGHT];
   Servo servo[MAX_SERVOS];
   int instance[MAX_PLUGINS];
@@ -41,7 +42,7 @@ void forces_ends(const Forces* self, const mjModel* m, int* sites);
 void forces_join(Forces* self, const Point* ends);
 
 // Computes lengths, velocities, and forces of springs, dampers and actuators; force has size nv. Returns false where an
-// input, an integral or a force reaches its bound; `d` then is MuJoCo's to compute again.
+// input, an integral, a force or what acts on a joint reaches its bound; `d` then is MuJoCo's to compute again.
 bool forces_update(const Forces* self, const Tree* tree, const mjModel* m, mjData* d, mjtNum* force);
 
 // Writes the same to `qfrc_passive` and `qfrc_actuator`, without the servos, which count as switched off.
