@@ -11,9 +11,12 @@ from bench.effects.catalogue import catalogue
 from bench.effects.conditions import Conditions
 from bench.robot.compiled import SpecEdit, compile_robot
 from bench.robot.folder import Robot, load_robot
+from bench.robot.starter.folder import start_robot
+from bench.robot.starter.source import read_source
 from bench.simulate.bare import bare_spec
 from bench.simulate.plant import Plant
 from bench.simulate.trace import Trace
+from tests import stranger
 
 PERIOD, SUBSTEPS = 4e-3, 8
 ROUNDING = 1e-12  # of the largest angle [rad] or place [m]
@@ -76,6 +79,15 @@ def test_same_motion_where_joints_cut_off_what_acts_on_them(most: float, is_reac
     whole, lean, plant = both(load_robot("hh150"), (limited,))
     assert plant.tracker.is_lean
     assert (plant.tracker.whole_steps > 240) is is_reached
+    assert_same(whole, lean)
+
+
+def test_a_robot_made_of_a_urdf_is_stepped_lean(tmp_path: Path) -> None:
+    (tmp_path / "arm.urdf").write_text(stranger.urdf())
+    robot = start_robot("arm", read_source(tmp_path / "arm.urdf"), tmp_path / "arm").compiled.robot
+    whole, lean, plant = both(robot, push=0.0)
+    assert np.any(plant.compiled.model.jnt_actfrclimited)
+    assert plant.tracker.is_lean
     assert_same(whole, lean)
 
 
