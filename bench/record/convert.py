@@ -61,8 +61,9 @@ class _Log:
 def convert(source: Path, layout: LogFormat, robot: str, arm: Arm | None = None) -> Converted:
     """Make a campaign of a log, or of all logs of a folder in the order of their names.
 
-    The clock of each run begins at its first row. Where the clocks of all logs are dates and no two logs overlap, these
-    say when each was started. Else each is put a minute after the end of the one before, and notes of its runs say so.
+    The clock of each run begins at its first row. Where no two logs overlap by their clocks, and these are dates or
+    rise with the files' names, they say when each was started. Else each is put a minute after the end of the one
+    before, and notes of its runs say so.
 
     Args:
         source: A file, or a folder of files; text, Parquet or MCAP.
@@ -94,8 +95,8 @@ def convert(source: Path, layout: LogFormat, robot: str, arm: Arm | None = None)
         logs.append(_Log(file, pieces, float(clock[0]) if len(clock) else np.nan, length))
     if findings:
         raise CampaignError(str(finding) for finding in likewise(findings))
-    starts, started = _starts(logs)
-    unknown = "" if len(files) == 1 or started else "; the time of its start is not known"
+    starts, started, is_known = _starts(logs)
+    unknown = "" if is_known else "; the time of its start is not known"
     runs: list[Run] = []
     for one, start in zip(logs, starts, strict=True):
         for begin, columns in one.pieces:
@@ -109,17 +110,23 @@ def convert(source: Path, layout: LogFormat, robot: str, arm: Arm | None = None)
     return Converted(campaign, unused, tuple(warnings))
 
 
-def _starts(logs: Sequence[_Log]) -> tuple[list[float], datetime | None]:
-    """Return when each log begins after the first one [s], and when that one began if their clocks are dates."""
+def _starts(logs: Sequence[_Log]) -> tuple[list[float], datetime | None, bool]:
+    """Return when each log begins after the first one [s], when that began if clocks are dates, and if this is known.
+
+    Clocks that each begin with their log overlap. Where none does, and they rise with the files' names, one clock ran
+    on; one that began anew in between would have to fall.
+    """
     first = np.array([log.first for log in logs])
-    if logs and all(map(is_dated, first.tolist())):
+    if logs and np.isfinite(first).all():
         order = np.argsort(first, kind="stable")
         ends = (first + [log.length for log in logs])[order]
-        if np.all(ends[:-1] < first[order][1:]):
+        dated = [is_dated(one) for one in first.tolist()]
+        are_dates, ran_on = all(dated), not any(dated) and bool(np.all(np.diff(order) > 0))
+        if np.all(ends[:-1] < first[order][1:]) and (are_dates or ran_on):
             begin = float(first.min())
-            return (first - begin).tolist(), EPOCH + timedelta(seconds=begin)
+            return (first - begin).tolist(), EPOCH + timedelta(seconds=begin) if are_dates else None, True
     pauses = [log.length + PAUSE_S if np.isfinite(log.first) else 0.0 for log in logs]
-    return [float(sum(pauses[:k])) for k in range(len(logs))], None
+    return [float(sum(pauses[:k])) for k in range(len(logs))], None, len(logs) < 2
 
 
 def _expect_topics_of(files: Sequence[Path], layout: LogFormat) -> None:

@@ -177,6 +177,9 @@ def test_logs_whose_clocks_are_dates_say_when_they_were_started(tmp_path: Path) 
         (1_779_000_000.0, 1_779_000_005.0),  # two clocks that differ, or one log twice
         (1_779_000_000.0, 12.0),  # one that counts from when the machine was turned on
         (946_684_900.0, 946_684_800.0),  # a battery that is dead: 2000-01-01
+        (12.0, 1_779_000_000.0),  # as the second, the other way round
+        (0.0, 0.0),  # each begins with its log
+        (500.0, 30.0),  # a counter that began anew
     ],
 )
 def test_clocks_that_cannot_be_dates_of_one_machine_say_nothing_of_starts(
@@ -187,6 +190,15 @@ def test_clocks_that_cannot_be_dates_of_one_machine_say_nothing_of_starts(
     assert [round(run.start_s, 6) for run in campaign.runs] == [0.0, 69.9]
     assert campaign.started is None
     assert all("time of its start is not known" in run.note for run in campaign.runs)
+
+
+def test_a_counter_that_ran_on_says_when_logs_were_started(tmp_path: Path) -> None:
+    """A stranger's second log began at 150 000 ms and was put a minute after the first; friction falls by the hour."""
+    _dated(tmp_path, a=2.5, b=152.5, c=330.0)
+    campaign = convert(tmp_path, layout(), "mine").campaign
+    assert [round(run.start_s, 6) for run in campaign.runs] == [0.0, 150.0, 327.5]
+    assert campaign.started is None
+    assert not any("not known" in run.note for run in campaign.runs)
 
 
 def test_more_rows_than_were_read_are_a_warning(tmp_path: Path) -> None:
