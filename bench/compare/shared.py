@@ -9,6 +9,7 @@ the covariance of tied segments is I + C C', with the modes C of all of them.
 """
 
 import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -107,22 +108,21 @@ def undo_segments(linear: LinearisedModel, white: Array, first: int = 0) -> None
         white: Shape (M, k), of whole segments.
         first: Index of the first of these readings among all.
     """
-    for rows, whitening in _segments(linear):
-        if len(rows) and first <= rows[0] < first + len(white):
-            put_back(white[rows[0] - first : rows[-1] + 1 - first], whitening.modes, whitening.shrink)
+    for part, whitening in _parts(linear, white, first):
+        put_back(part, whitening.modes, whitening.shrink)
 
 
 def settle_segments(linear: LinearisedModel, plain: Array, first: int = 0) -> None:
-    """Take what segments have in common out of values that were whitened instant by instant, in place.
+    """Take what segments have in common out of values that were whitened instant by instant, in place; see above."""
+    for part, whitening in _parts(linear, plain, first):
+        take_out(part, whitening.modes, whitening.shrink)
 
-    Args:
-        linear: The model.
-        plain: Shape (M, k), of whole segments.
-        first: Index of the first of these readings among all.
-    """
+
+def _parts(linear: LinearisedModel, values: Array, first: int) -> Iterator[tuple[Array, Whitening]]:
+    """Yield the rows of each whole segment that are among some values, with its whitening."""
     for rows, whitening in _segments(linear):
-        if len(rows) and first <= rows[0] < first + len(plain):
-            take_out(plain[rows[0] - first : rows[-1] + 1 - first], whitening.modes, whitening.shrink)
+        if len(rows) and first <= rows[0] < first + len(values):
+            yield values[rows[0] - first : rows[-1] + 1 - first], whitening
 
 
 def shared_whitening(linear: LinearisedModel, repeatability: Repeatability, cells: NDArray[np.intp]) -> SharedWhitening:
