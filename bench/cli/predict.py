@@ -20,9 +20,9 @@ BROKEN = 8  # exit code
 class Predict:
     """Hold a model against recordings, without any refit: its error in every channel, and whether promises hold.
 
-    A second for a recording of ten. A diagnosis promises within what its model will err in each channel of the next
-    recording; this says whether it does, beside the nominal robot and what no model can predict
-    (bench/predict/README.md).
+    A second for ten of motion, half a minute for a whole session. A diagnosis promises within what its model will err
+    in each channel of the next recording; this says whether it does, beside the nominal robot and what no model can
+    predict (bench/predict/README.md).
     """
 
     model: tyro.conf.Positional[str]

@@ -46,9 +46,10 @@ class Study:
     servo (that gives), second (another plant), resting (there, links rest anywhere that friction holds them); several:
     a study of each."""
     recordings: int = 0
-    """Instead of this: so many recordings of each of `seeds` messy machines. They are diagnosed together, the last is
-    predicted by the others, and two of them are compared, with and without a change. Of what is above, `effects`,
-    `seeds`, `small` and `world` count; of worlds, messy (as without any), second and resting, one of them."""
+    """Instead of this: so many recordings of each of `seeds` messy machines of each of `kinds`. They are diagnosed
+    together, the last is predicted by the others, and two of them are compared, with and without a change. Of what is
+    above, `effects`, `seeds`, `small` and `world` count; of worlds, messy (as without any), second and resting, one of
+    them."""
     kinds: tuple[Literal["none", "machine", "one", "unchanged", "changed"], ...] = (
         "none",
         "machine",

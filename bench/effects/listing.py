@@ -17,7 +17,7 @@ def listing(effects: Mapping[str, Effect], compiled: CompiledRobot | None = None
         if effect.family != family:
             family = effect.family
             lines += ["", family.upper()]
-        place = f"{where(effect, compiled):28}" if compiled else ""
+        place = f"{where(effect, compiled):32}" if compiled else ""
         lines.append(f"  {name:29}{place}{_sizes(effect, compiled)}")
         lines.append(f"  {'':29}{effect.title}")
     return "\n".join(lines).strip("\n")

@@ -142,7 +142,7 @@ def setup_of(compiled: CompiledRobot, method: str) -> Setup:
     figures = compiled.robot.figures
     tracker, current, force = figures.instruments.tracker, figures.instruments.current, figures.instruments.force
     if tracker is None or (current is None and method == "current"):
-        needed = "a tracker and a current sensor" if method == "current" else "a tracker"
+        needed = "a tracker" if tracker is None else "a current sensor"
         raise InputError(
             f"{compiled.robot.name}: method {method!r} needs {needed}: figures.yaml has none among its instruments."
         )
