@@ -69,7 +69,7 @@ def test_what_ends_early_hands_over_what_was_found(
     def interrupted(*given: object) -> None:
         os.kill(os.getpid(), signal.SIGINT)  # as somebody who waits for it
 
-    monkeypatch.setattr("bench.compare.settle.settled_background", lambda background, changes: interrupted())
+    monkeypatch.setattr("bench.compare.settle.settled_background", interrupted)
     arguments = [str(campaigns / "may"), str(campaigns / "july"), "-o", str(tmp_path / "out"), "--no-store"]
     assert main(["compare", *arguments, "--cores", "1"]) == UNFINISHED
     said = capsys.readouterr().out

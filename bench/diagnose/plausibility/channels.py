@@ -78,9 +78,11 @@ def doubts_of(
         found = list(_of_drives(repeated, told, partial(_of_payload, stated, repeated))) if repeated.paid else []
         found += known_pressures(repeated)
         if not any(finding.column.startswith("load_") for finding in found):  # else that is why they move
-            found += list(unstated_loads(repeated)) or not_with_the_loads(repeated)
+            found += unstated_loads(repeated)
         if repeated.seen:
             found += displaced(repeated.by_others)
+        if not any(finding.level == "doubt" for finding in found):  # else that is why
+            found += not_with_the_loads(repeated)
     except ConvergenceError as error:
         return (doubt("", f"the nominal model cannot follow the motion ({error})", "look at angles and their units"),)
     kept = tuple(finding for finding in found if finding.column not in told)
