@@ -1,6 +1,7 @@
 """The headline of a verdict: large, confirmed findings, the largest first, in two lines; what is missing in two."""
 
 from collections.abc import Sequence
+from itertools import chain
 
 from bench.diagnose.named_causes import ParameterValue
 from bench.diagnose.verdict import AmbiguityGroup, NamedCause, Verdict
@@ -158,9 +159,10 @@ def _causes(group: AmbiguityGroup) -> list[str]:
     return [cause_name(one.cause) for one in group.names]
 
 
-def _told(cause: NamedCause) -> ParameterValue:
-    """Return the first size whose interval leaves out zero, the first of all if none does."""
-    return next((one for one in cause.parameters if one.is_told and not one.low <= 0 <= one.high), cause.parameters[0])
+def _told(cause: NamedCause) -> ParameterValue | None:
+    """Return the first size whose interval leaves out zero, the first of all if none does; None: none was fitted."""
+    told = (one for one in cause.parameters if one.is_told and not one.low <= 0 <= one.high)
+    return next(chain(told, cause.parameters), None)
 
 
 def _together(causes: Sequence[NamedCause], room: int, kind: str) -> str:
@@ -168,6 +170,8 @@ def _together(causes: Sequence[NamedCause], room: int, kind: str) -> str:
     if len(causes) == 1:
         (cause,) = causes
         shown = _told(cause)
+        if shown is None:
+            return fitting([cause_name(cause)], "and", room)
         value, low, high = interval_of(shown)
         size = f"{shown.name.replace('_', ' ')} {value} {unit_name(shown.unit)}".rstrip()
         words = f"{cause_name(cause)}: {size} (95 % interval {low} to {high})"

@@ -6,8 +6,10 @@ from pathlib import Path
 import pytest
 
 from bench.diagnose.verdict import (
+    AmbiguityGroup,
     DetectionLimit,
     NoisyChannel,
+    PossibleCause,
     Proposal,
     RecordingGain,
     Step,
@@ -42,6 +44,15 @@ def test_two_causes_in_the_place_of_one_are_another_explanation() -> None:
     one = replace(VERDICTS["cause"], explanations=(*VERDICTS["cause"].explanations, other))
     assert headline(one) == "Loss of gas, or another explanation, which these data cannot tell apart."
     assert any("altogether: mass of a link (upper arm) with zero of a joint" in line for line in words_of(one))
+
+
+def test_a_cause_that_no_fitted_model_has_says_so() -> None:
+    """A diagnosis that ended early named a payload without a size and without a word."""
+    named = replace(GAS, parameters=())
+    group = AmbiguityGroup((PossibleCause(named, 1.0),), 1.0)
+    said = list(words_of(replace(VERDICTS["cause"], findings=(group,))))
+    place = next(i for i, line in enumerate(said) if line.strip().startswith("100 %"))
+    assert said[place + 1].strip().startswith("no model with it was fitted before the diagnosis ended")
 
 
 def test_a_cause_comes_with_its_worth_and_what_to_do() -> None:
