@@ -34,9 +34,8 @@ class ByInstant:
         slopes: Of what may be off, the machine's and each recording's.
         entries: Every cause and every free shape, each with its columns.
         columns: Shape (m, q), what they change if they act in all recordings alike.
-        prior: Shape (q,), standard deviations of their sizes.
         discrepancy: Shape (m, d), what they change where they stayed: the same array without a large change.
-        discrepancy_prior: Shape (d,), standard deviations of these sizes.
+        prior: Shape (d,), standard deviations of these sizes.
     """
 
     joint: Joint
@@ -44,9 +43,8 @@ class ByInstant:
     slopes: Slopes
     entries: tuple[Entry, ...]
     columns: Array
-    prior: Array
     discrepancy: Array
-    discrepancy_prior: Array
+    prior: Array
 
     @classmethod
     def of(cls, joint: Joint) -> Self:
@@ -61,10 +59,12 @@ class ByInstant:
             undo_segments(joint.linear, one.columns.matrix)
         columns, discrepancy = tried.columns.matrix, stayed.columns.matrix
         residual, slopes = _of_model(joint, joint.linear)
-        return cls(joint, residual, slopes, tried.entries, columns, tried.prior, discrepancy, stayed.prior)
+        return cls(joint, residual, slopes, tried.entries, columns, discrepancy, stayed.prior)
 
     def again(self, linear: LinearisedModel) -> Self:
         """Return the same with the noise of another linearised model of the same readings."""
+        if linear is self.joint.linear:
+            return self
         old, new = (np.concatenate([one.factors for one in model.whitenings]) for model in (self.joint.linear, linear))
         turn = np.linalg.solve(old.transpose(0, 2, 1), new.transpose(0, 2, 1)).transpose(0, 2, 1)
         place = linear.instant_of * new.shape[1] + linear.column_of
@@ -87,7 +87,7 @@ class ByInstant:
         slopes, discrepancy = self.slopes.matrix[rows], self.discrepancy[rows]
         every = np.empty((len(slopes), slopes.shape[1] + discrepancy.shape[1]))
         every[:, : slopes.shape[1]] = slopes
-        np.multiply(discrepancy, self.discrepancy_prior, out=every[:, slopes.shape[1] :])
+        np.multiply(discrepancy, self.prior, out=every[:, slopes.shape[1] :])
         return every
 
 

@@ -46,7 +46,7 @@ BETWEEN: Mapping[str, Between] = {
     "frame_drift": "anew",
     "drift_direction": "anew",
     "placement": "anew",  # reflectors are put into their nests again; where nests are is geometry
-    "encoder_offset": "same",  # but for the part that figures say is
+    "encoder_offset": "same",  # but for the part that figures say is found anew
     "link_encoder_offset": "anew",  # but for the part that figures say is not zeroed anew
 }
 

@@ -65,13 +65,18 @@ def linear_of(campaign: Campaign, robot: CompiledRobot, given: Posterior | None 
     return linearised_model_of(Replay(robot, segments, quantities), nuisances)
 
 
-def test_two_campaigns_in_a_row_are_both_at_once(robot: CompiledRobot, tmp_path: Path) -> None:
-    """Bayes: what the first campaign knew, with all correlations, and what the second says, solved in one piece."""
+def in_a_row(robot: CompiledRobot, folder: Path) -> tuple[LinearisedModel, LinearisedModel]:
+    """Return two campaigns, the second about what was fitted to the first and with all that was known by it."""
     first = linear_of(made(robot, 1), robot)
     fitted = refit(first, (), {})
-    hand_over(first, fitted, tmp_path / "robot", tmp_path / "nominal.xml")
-    handed = compile_robot(load_robot(tmp_path / "robot"))
-    later = linear_of(made(robot, 2), handed, posterior_of(first, fitted))
+    hand_over(first, fitted, folder / "robot", folder / "nominal.xml")
+    handed = compile_robot(load_robot(folder / "robot"))
+    return first, linear_of(made(robot, 2), handed, posterior_of(first, fitted))
+
+
+def test_two_campaigns_in_a_row_are_both_at_once(robot: CompiledRobot, tmp_path: Path) -> None:
+    """Bayes: what the first campaign knew, with all correlations, and what the second says, solved in one piece."""
+    first, later = in_a_row(robot, tmp_path)
     names = [nuisance.name for nuisance in first.nuisances]
     shared = [i for i, nuisance in enumerate(later.nuisances) if nuisance.said_before]
     assert len(shared) > 10
@@ -98,11 +103,7 @@ def test_two_campaigns_in_a_row_are_both_at_once(robot: CompiledRobot, tmp_path:
 
 def test_what_an_earlier_diagnosis_knew_is_no_instrument_that_scatters(robot: CompiledRobot, tmp_path: Path) -> None:
     """A tool that was 1.2 kg heavier was 165 times the scatter of what was known, and mass of the tool by that."""
-    first = linear_of(made(robot, 1), robot)
-    fitted = refit(first, (), {})
-    hand_over(first, fitted, tmp_path / "robot", tmp_path / "nominal.xml")
-    handed = compile_robot(load_robot(tmp_path / "robot"))
-    later = linear_of(made(robot, 2), handed, posterior_of(first, fitted))
+    _, later = in_a_row(robot, tmp_path)
     contradicted = np.full(len(later.white), 30.0)
     knew = np.array([quantity == EARLIER for quantity in later.quantities])
     assert np.count_nonzero(later.column_of == np.flatnonzero(knew)) >= FEW

@@ -287,8 +287,11 @@ bool forces_update(const Forces* self, const Tree* tree, const mjModel* m, mjDat
     }
   }
   update_plugins(self, m, d);
-  mjtNum apart[MAX_LINKS], *acted = self->has_limits ? apart : force;
-  zero(apart, (int)m->nv);
+  mjtNum apart[MAX_LINKS], *acted = force;
+  if (self->has_limits) {
+    zero(apart, (int)m->nv);
+    acted = apart;
+  }
   for (int i = 0; i < m->nactuator; i++) {
     if (m->actuator_forcelimited[i] &&
         !is_inside(m->actuator_forcerange + 2 * i, d->actuator_force[m->actuator_outadr[i]])) {

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.diagnose.plausibility.mistaken import doubt
 from bench.diagnose.plausibility.physical_fit import HALF
@@ -19,13 +20,30 @@ from bench.diagnose.replay.quantities import Quantity
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.static_segments import visits_of
 from bench.diagnose.replay.world import NOMINAL
-from bench.record.campaign import Array
+from bench.record.campaign import Array, Run
 from bench.record.finding import Finding
 from bench.record.rules.sheet import LOAD_N
 
 # declared: times the noise of a reflector, that the model has it move at least: noise is then a hundredth of a change
 CLEAR = 10.0
 MORE = 2  # exact: states of a visit, beyond the directions of its loads, for a mean and something to be left
+
+
+@dataclass(frozen=True, eq=False)
+class _Visit:
+    """The rows of a visit in which loads change; n rows, c quantities.
+
+    Attributes:
+        run: Of which.
+        rows: Shape (n,), in its table.
+        directions: Shape (n, r), orthonormal, in which loads change.
+        model: Shape (n, c), what the nominal model has.
+    """
+
+    run: Run
+    rows: NDArray[np.intp]
+    directions: Array
+    model: Array
 
 
 @dataclass
@@ -52,6 +70,17 @@ class _Change:
         is_clear = self.model > self.least and self.seen > HALF**2 * self.model
         return is_clear and self.left > HALF * self.seen
 
+    def count(self, visit: _Visit, values: Array, model: Array, least: Array) -> None:
+        """Add what a visit shows, shape (n,) each: readings, those of the model, and from where on they are clear."""
+        n, r = visit.directions.shape
+        seen = values - values.mean()
+        left = seen - visit.directions @ (visit.directions.T @ seen)
+        self.rows += n
+        self.seen += float(seen @ seen)
+        self.left += float(left @ left) * (n - 1) / (n - 1 - r)
+        self.model += float(np.sum((model - model.mean()) ** 2))
+        self.least += float(least @ least)
+
 
 def not_with_the_loads(repeated: Repeated) -> Iterator[Finding]:
     """Yield a doubt for each channel that at rest changes as far as loads make it, and not with them.
@@ -73,38 +102,31 @@ def not_with_the_loads(repeated: Repeated) -> Iterator[Finding]:
 def _changes(repeated: Repeated, replay: Replay) -> dict[Quantity, _Change]:
     """Return what reflectors and drives do within visits in which loads change."""
     noise = Noise(repeated.campaign, repeated.compiled.robot.figures)
-    runs = {run.name: run for run in repeated.campaign.of_kind("static")}
-    visits = {(name, one.label): one for name, run in runs.items() for one in visits_of(run, repeated.compiled)}
-    predicted, begin = replay.predict(NOMINAL), 0
     found: dict[Quantity, _Change] = {}
-    for segment in replay.segments:
-        states, begin = slice(begin, begin + len(segment)), begin + len(segment)
-        visit = visits.get((segment.run, segment.label))
-        loads = segment.motion.wrench[segment.motion.read]
-        if visit is None or len(visit.groups) != len(segment) or np.max(np.ptp(loads, axis=0)) <= LOAD_N:
-            continue
-        run, rows = runs[segment.run], np.concatenate(visit.groups)
-        of_state = np.repeat(np.arange(len(segment)), [len(group) for group in visit.groups])
-        directions = _directions(loads[of_state])
-        if len(segment) < directions.shape[1] + MORE:
-            continue
+    for visit in _visits(repeated, replay):
         for c, quantity in enumerate(replay.quantities):
-            if not (quantity.is_drive or quantity.kind == "reflector") or quantity.column not in run.columns:
-                continue
-            values = run.columns[quantity.column][rows]
-            if not np.isfinite(values).all():
-                continue
-            change = found.setdefault(quantity, _Change())
-            seen = values - values.mean()
-            left = seen - directions @ (directions.T @ seen)
-            degrees = (len(rows) - 1) / (len(rows) - 1 - directions.shape[1])
-            model = predicted[states, c][of_state]
-            change.rows += len(rows)
-            change.seen += float(seen @ seen)
-            change.left += degrees * float(left @ left)
-            change.model += float(np.sum((model - model.mean()) ** 2))
-            change.least += float(np.sum(_least(repeated, quantity, noise.of(quantity, values, run)) ** 2))
+            values = visit.run.columns.get(quantity.column, np.full(1, np.nan))
+            if (quantity.is_drive or quantity.kind == "reflector") and np.isfinite(values).all():
+                values = values[visit.rows]
+                least = _least(repeated, quantity, noise.of(quantity, values, visit.run))
+                found.setdefault(quantity, _Change()).count(visit, values, visit.model[:, c], least)
     return found
+
+
+def _visits(repeated: Repeated, replay: Replay) -> Iterator[_Visit]:
+    """Yield the visits in which loads change, and in which more states were read than a line through them takes."""
+    runs = {run.name: run for run in repeated.campaign.of_kind("static")}
+    inputs = {(name, one.label): one for name, run in runs.items() for one in visits_of(run, repeated.compiled)}
+    parts = np.split(replay.predict(NOMINAL), np.cumsum([len(segment) for segment in replay.segments])[:-1])
+    for segment, predicted in zip(replay.segments, parts, strict=True):
+        known = inputs.get((segment.run, segment.label))
+        loads = segment.motion.wrench[segment.motion.read]
+        if known is None or len(known.groups) != len(segment) or np.max(np.ptp(loads, axis=0)) <= LOAD_N:
+            continue
+        state = np.repeat(np.arange(len(segment)), [len(group) for group in known.groups])
+        directions = _directions(loads[state])
+        if len(segment) >= directions.shape[1] + MORE:
+            yield _Visit(runs[segment.run], np.concatenate(known.groups), directions, predicted[state])
 
 
 def _least(repeated: Repeated, quantity: Quantity, noise: Array) -> Array:
