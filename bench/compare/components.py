@@ -60,7 +60,7 @@ def components_of(
     one_each = {found.possible[term].key: found.possible[term].entry for term in reversed(acting)}
     taken = {entry.cause.key: entry for entry in one_each.values() if entry.cause}
     entries = _one_shape_each(background, found, taken)
-    columns = np.concatenate([entry.columns for entry in entries]).astype(np.intp)
+    columns = np.concatenate([np.empty(0), *(entry.columns for entry in entries)]).astype(np.intp)
     count = len(background.joint.recordings)
     n_before = sum(not one.is_after for one in background.joint.recordings)
     own = [background.acting(found.possible[i].entry.columns, found.possible[i].profile.weights) for i in acting]

@@ -24,7 +24,7 @@ from bench.diagnose.replay.quantities import Quantity, quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import MOST_BINS, Segment, segments_of
 from bench.effects.effect import Effect
-from bench.effects.recorded import recorded_in
+from bench.effects.recorded import Recorded, RecordedRun, recorded_in
 from bench.errors import ConvergenceError, InputError
 from bench.executor.contract import Executor
 from bench.executor.serial import SERIAL
@@ -115,15 +115,13 @@ def joint_of(
         InputError: A recording has nothing that a replay predicts, or no channel was read both before and after.
         ConvergenceError: The nominal model finds no balance along a measured motion, or one with a large change.
     """
-    runs = {run.name: run for one in recordings for run in one.campaign.runs}
-    every = tuple(sorted(runs.values(), key=lambda run: run.start_s))
     quantities, left_out = _compared(recordings, compiled)
     if not quantities:
         raise InputError(
             "no channel that a replay predicts was read both before and after: log the same motor currents or torques, "
             "reflectors, link encoders or gas pressure as before."
         )
-    recorded = recorded_in(every, compiled.model.opt.gravity)
+    recorded = recorded_in_any(recordings, compiled)
     measured = frozenset[str]().union(*(measured_by(one.campaign) for one in recordings))
     measured -= {one.kind for one in left_out} - {one.kind for one in quantities}
     causes = causes_of(catalogue.values(), compiled, measured, recorded)
@@ -171,6 +169,22 @@ def joint_of(
     columns = tuple(one.column for one in left_out)
     stayed = _stayed(causes, sensitivities, before.stayed, of) if before else sensitivities
     return Joint(recordings, linear, of_segment, causes, sensitivities, stayed, columns, large, beyond)
+
+
+def recorded_in_any(recordings: Sequence[Recording], compiled: CompiledRobot) -> Recorded:
+    """Return the runs of a program, each with what was recorded of it in any of the recordings."""
+    found: dict[str, RecordedRun] = {}
+    for one in recordings:
+        for run in recorded_in(one.campaign.runs, compiled.model.opt.gravity).runs:
+            known = found.get(run.name, run)
+            found[run.name] = replace(
+                known,
+                columns=known.columns | run.columns,
+                hangs=known.hangs or run.hangs,
+                payload_kg=max(known.payload_kg, run.payload_kg),
+                moving=known.moving | run.moving,
+            )
+    return Recorded(tuple(sorted(found.values(), key=lambda run: run.start_s)))
 
 
 def _compared(

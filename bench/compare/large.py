@@ -100,7 +100,7 @@ def beyond_proportion(
         for one, share in zip(recordings, change.profile.weights.tolist(), strict=True):
             rows = names == one.name
             for x, size, signature in zip(change.sizes.tolist(), change.cause.sizes, own, strict=True):
-                found[rows] -= share * x / (size.typical - size.null) * signature[rows]
+                found[rows] -= share * x / (change.cause.typical(size) - size.null) * signature[rows]
     return np.asarray(found)
 
 

@@ -42,7 +42,7 @@ def profiles_of(n_before: int, days: Array) -> tuple[Profile, ...]:
     if len(days) - n_before >= FEWEST_FOR_TREND:
         known = bool(np.all(np.isfinite(days)))
         time = days if known else order.astype(np.float64)
-        since = time - time[n_before - 1]
+        since = np.where(order < n_before, 0.0, time - np.max(time[:n_before]))
         if since[-1] > 0:
             weights = np.maximum(since, 0.0) / since[-1]
             found.append(Profile("trend", n_before, weights, float(since[-1]) if known else float("nan")))

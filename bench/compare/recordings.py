@@ -104,12 +104,14 @@ def _instant(one: Recording) -> float:
 
 
 def _split(name: str, campaign: Campaign, *, is_after: bool) -> list[Recording]:
-    """Return the recordings of a campaign; the manifest says of the first alone when it began."""
-    if len(campaign.recordings) == 1:
-        return [Recording(name, campaign, is_after, campaign.started)]
+    """Return the recordings of a campaign; the manifest says of the first alone when it began.
+
+    Each is a campaign of its own, whose runs need no name of a recording any more.
+    """
     found = []
     for i, one in enumerate(campaign.recordings):
-        runs = tuple(run for run in campaign.runs if run.recording == one)
+        runs = tuple(replace(run, recording="") for run in campaign.runs if run.recording == one)
         part = replace(campaign, runs=runs, started=campaign.started if i == 0 else None)
-        found.append(Recording(f"{name}.{one}" if one else name, part, is_after, part.started))
+        whole = name if not one or len(campaign.recordings) == 1 else f"{name}.{one}"
+        found.append(Recording(whole, part, is_after, part.started))
     return found

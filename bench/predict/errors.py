@@ -72,7 +72,7 @@ def worst_stretches(
     """Return the worst stretch of each channel, that which is furthest above what no model can predict first.
 
     A stretch is a visit at rest, or an eighth of a run in motion: as long as the blocks that promises rest on where
-    there was one run.
+    there was one run. What is known besides is none.
 
     Args:
         linear: The recording.
@@ -127,7 +127,7 @@ def _stretches(linear: LinearisedModel) -> Iterator[tuple[str, str, NDArray[np.i
         rows = every[mine]
         if segment.is_static:
             yield segment.run, segment.label, rows
-        else:
+        elif not segment.is_known:
             moving.setdefault(segment.run, []).extend(rows.tolist())
     for run, instants in moving.items():
         for rows in np.array_split(np.array(instants, dtype=np.int64), min(BLOCKS, len(instants))):

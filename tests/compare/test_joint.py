@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bench.compare.coincidence import cells_of
-from bench.compare.joint import Joint, joint_of
+from bench.compare.joint import Joint, joint_of, recorded_in_any
 from bench.compare.levels import EVERY, by_level, is_of_machine
 from bench.compare.noise import Repeatability, variances
 from bench.compare.recordings import recordings_of
@@ -172,3 +172,15 @@ def test_readings_that_a_fit_takes_whole_tell_no_noise() -> None:
     left = np.where(free > 0, np.tile([2.0, -2.0], 20), 0.0)
     new, total, pairs = variances(left, free, cell, np.zeros(40))
     assert (new, total, pairs) == (pytest.approx(4.0), pytest.approx(4.0), 20)
+
+
+def test_what_one_recording_of_a_run_has_may_change_in_it() -> None:
+    """Runs of one name stood for each other: what was looked for hung on which recording was given last."""
+    light = made(SWEEP, 2, machine=3)
+    payload = {"load_mass_kg": np.full(len(light.runs[0]), 20.0)}
+    heavy = replace(light, runs=tuple(replace(run, columns={**run.columns, **payload}) for run in light.runs))
+    pairs = ({"before": heavy}, {"after": light}), ({"before": light}, {"after": heavy})
+    one, other = (recorded_in_any(recordings_of(*pair), nominal()) for pair in pairs)
+    assert one == other
+    assert {run.payload_kg for run in one.runs} == {20.0}
+    assert "load_mass_kg" in one.columns

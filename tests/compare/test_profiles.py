@@ -35,3 +35,9 @@ def test_a_trend_begins_with_the_last_recording_before() -> None:
 
 def test_two_recordings_after_have_no_trend() -> None:
     assert "trend" not in [one.course for one in profiles_of(1, np.array([0.0, 1.0, 2.0]))]
+
+
+def test_a_trend_begins_with_the_last_recording_before_in_whatever_order_they_are_given() -> None:
+    """A recording before had a quarter of the change."""
+    trend = profiles_of(2, np.array([5.0, 0.0, 7.0, 14.0, 21.0]))[-1]
+    np.testing.assert_allclose(trend.weights, [0, 0, 2 / 16, 9 / 16, 1])

@@ -38,6 +38,15 @@ def test_recordings_of_one_campaign_before_are_repeats() -> None:
     assert [(one.name, one.is_after) for one in found] == [("a.may", False), ("a.june", False), ("b", True)]
 
 
+def test_runs_of_a_recording_need_no_name_of_one() -> None:
+    """A change of a recording within a campaign was looked for in "recording may", beside the machine's own."""
+    runs = (replace(RUN, recording="may"), replace(RUN, name="again", recording="june"))
+    named = replace(PLAIN, runs=runs[:1])
+    found = recordings_of({"a": replace(PLAIN, runs=runs)}, {"b": named})
+    assert [one.name for one in found] == ["a.may", "a.june", "b"]
+    assert [run.recording for one in found for run in one.campaign.runs] == ["", "", ""]
+
+
 def test_a_payload_that_the_lab_weighed_is_what_runs_carry() -> None:
     """It was ignored, and named as a payload that had changed."""
     known = tuple(Known("payload_kg", mass, 0.1, recording=name) for name, mass in (("may", 80.0), ("june", 0.0)))

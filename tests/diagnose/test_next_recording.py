@@ -212,3 +212,18 @@ def test_what_a_program_repeats_is_no_promise_for_another_one() -> None:
         assert found.low < found.rms < found.high, "of the same program"
     assert covered >= FEWEST
     assert by_repeats < FEWEST, "else the test says nothing"
+
+
+def test_an_arm_that_stands_is_held_out_by_its_blocks_of_time(rng: np.random.Generator) -> None:
+    """Blocks that pass the same places are held out together; of a standing arm there are no places: IndexError."""
+    n = 40 * BLOCKS
+    linear = there_and_back(design_with(SIGMA * rng.standard_normal(n), rng.standard_normal((n, 1)), 1), True)
+    (segment,) = linear.replay.segments
+    for shaking in (0.0, 1e-6):
+        q = shaking * rng.standard_normal((n, 1))
+        stands = replace(segment, motion=replace(segment.motion, q=q))
+        replay = type(linear.replay)(segments=(stands,), quantities=linear.replay.quantities)  # type: ignore[call-arg]
+        before = folds_of(linear)
+        after = apart(replace(linear, replay=replay), before)
+        np.testing.assert_array_equal(after.of_instants, before.of_instants)
+        np.testing.assert_array_equal(after.gap, before.gap)

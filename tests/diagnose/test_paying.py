@@ -14,8 +14,9 @@ from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.name import paying
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.naming import Finding
-from bench.diagnose.name.paying import held_findings
+from bench.diagnose.name.paying import held_findings, shape_pays
 from bench.effects.catalogue import catalogue
+from bench.errors import ConvergenceError
 from bench.executor.contract import Executor
 from bench.executor.processes import Processes
 from bench.executor.serial import SERIAL
@@ -55,6 +56,17 @@ def test_findings_are_held_out_side_by_side() -> None:
         assert one.log_evidence == pytest.approx(beside[key].log_evidence)
         assert [cause.key for cause in one.without.causes] == [cause.key for cause in beside[key].without.causes]
         assert [u.cause.key for u in one.without.unknowns] == [u.cause.key for u in beside[key].without.unknowns]
+
+
+def test_a_shape_without_which_there_is_no_balance_pays(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The diagnosis ended with an error, for listed causes alone such a fit was expected."""
+
+    def without_balance(*_: object) -> None:
+        raise ConvergenceError("no balance")
+
+    monkeypatch.setattr(paying, "fit_without_shape", without_balance)
+    null = refit(linear_once(), (), {})
+    assert shape_pays(linear_once(), null, Model(null), THRESHOLD)
 
 
 def test_what_is_plainly_needed_is_needed_by_brief_fits_too(monkeypatch: pytest.MonkeyPatch) -> None:

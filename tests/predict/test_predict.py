@@ -18,6 +18,7 @@ from bench.predict.predict import predict
 from bench.predict.prediction import PredictedRecording
 from bench.record.campaign import Campaign
 from bench.record.joined import joined
+from bench.record.known import Known
 from bench.report.handover.robot_folder import hand_over
 from bench.report.prediction.sentences import untold_sentence
 from bench.robot.compiled import CompiledRobot, compile_robot
@@ -128,6 +129,15 @@ def test_stretches_hold_the_worst_of_each_channel(campaign: Campaign, nominal: C
     assert spoilt.start_s > time[-1]  # the clock of the recording would tell another time
     assert 0.6 * time[-1] < worst.start_s < worst.end_s <= time[-1]
     assert worst.rms > 10 * worst.floor
+
+
+def test_what_is_known_besides_is_no_stretch(campaign: Campaign, nominal: CompiledRobot) -> None:
+    """It is an instant of the last run without a time of its own, and ended the worst stretch before it began."""
+    weighed = replace(campaign, known=(Known("stiffness_nm_per_rad", 2 * float(nominal.stiffness[1]), 1.0, joint=2),))
+    for stretch in only(weighed, nominal, nominal).stretches:
+        assert not stretch.channel.startswith("known")
+        assert stretch.start_s <= stretch.end_s
+        assert stretch.run == stretch.label
 
 
 def test_free_takes_exactly_the_zero(campaign: Campaign, nominal: CompiledRobot) -> None:

@@ -22,6 +22,7 @@ from bench.diagnose.replay.levels import mean_of_days
 from bench.diagnose.replay.quantities import Quantity
 from bench.effects.effect import Effect
 from bench.record.campaign import Array
+from bench.record.moving import TRAVELS
 
 DRAWS = 4000  # effort: of recordings to come: ends of an interval are right to a few percent of its width
 # rounding: of a root mean square that is drawn, so that its square is a number: far beyond the quantiles
@@ -189,7 +190,9 @@ def _is_set_up(effect: Effect) -> bool:
 
 
 def apart(linear: LinearisedModel, folds: Folds) -> Folds:
-    """Return folds each of which is predicted from far away, if they are blocks of one run; others as they are.
+    """Return folds each of which is predicted from far away, if they are blocks of one run that goes anywhere.
+
+    Others are returned as they are.
 
     Args:
         linear: The campaign.
@@ -199,7 +202,10 @@ def apart(linear: LinearisedModel, folds: Folds) -> Folds:
         return folds
     q = np.concatenate([segment.motion.q[segment.motion.read] for segment in linear.segments])
     spread = np.ptp(q, axis=0)
-    places = (q / np.where(spread > 0, spread, 1.0))[:, spread > 0]
+    moves = spread > TRAVELS
+    if not np.any(moves):
+        return folds
+    places = q[:, moves] / spread[moves]
     group = together([places[folds.of_instants == f] / ALIKE for f in range(len(folds))])
     count = int(np.max(group)) + 1
     if count < 2:  # all of it is one place: then blocks of time are what there is

@@ -210,6 +210,7 @@ def with_earlier(
         acceleration_error=still[1:],
         rings=np.zeros(k, dtype=bool),
         recording=last.recording,
+        is_known=True,
     )
     return (*segments, one)
 

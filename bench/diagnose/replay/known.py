@@ -198,6 +198,7 @@ def _rest(one: Known, run: Run, label: str, compiled: CompiledRobot, quantities:
         acceleration_error=np.zeros((1, n)),
         rings=np.zeros(1, dtype=bool),
         recording=run.recording,
+        is_known=True,
     )
 
 

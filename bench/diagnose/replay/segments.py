@@ -56,6 +56,7 @@ class Segment:
             model; None: nothing.
         counted_once: Shape (T, c), by what the variance of readings was raised that were rounded to the same number, so
             that together they count as one; None: by nothing.
+        is_known: Whether nobody recorded it: it holds what is known besides, by the lab or an earlier diagnosis.
     """
 
     run: str
@@ -73,6 +74,7 @@ class Segment:
     drive_error: Array | None = None
     counted_once: Array | None = None
     average_excess: AverageExcess | None = None
+    is_known: bool = False
 
     def __len__(self) -> int:
         return len(self.observed)
@@ -200,7 +202,13 @@ def readings_of(
     """Return the segments that have readings of some of the quantities, with those alone."""
     columns = [every.index(quantity) for quantity in kept]
     parts = (
-        replace(segment, observed=segment.observed[:, columns], sigma=segment.sigma[:, columns]) for segment in segments
+        replace(
+            segment,
+            observed=segment.observed[:, columns],
+            sigma=segment.sigma[:, columns],
+            counted_once=None if segment.counted_once is None else segment.counted_once[:, columns],
+        )
+        for segment in segments
     )
     return tuple(part for part in parts if np.any(np.isfinite(part.observed)))
 

@@ -1,5 +1,6 @@
 """Static runs, visit by visit: a visit is one approach of one pose, with the loads that were hung on there."""
 
+from collections import Counter
 from collections.abc import Iterator
 
 import numpy as np
@@ -17,7 +18,10 @@ APPROACH = np.deg2rad(2.0)  # rounding: [rad]; friction is sliding long before, 
 
 
 def visits_of(run: Run, compiled: CompiledRobot) -> Iterator[SegmentInput]:
-    """Yield the visits of a static run: the pose is approached from its side, then load follows load."""
+    """Yield the visits of a static run: the pose is approached from its side, then load follows load.
+
+    A pose that is visited again from the same side says so in its label, which no other visit of the run has.
+    """
     angles, wrenches = angles_of(run, compiled), wrench_of(run, compiled)
     count = np.zeros(len(run))
     pose, step = run.columns["pose"], run.columns["load_step"]
@@ -25,6 +29,7 @@ def visits_of(run: Run, compiled: CompiledRobot) -> Iterator[SegmentInput]:
     begins = np.flatnonzero(
         np.concatenate([[True], (np.diff(pose) != 0) | (np.diff(approach) != 0) | (np.diff(step) < 0)])
     )
+    times = Counter[str]()
     for first, last in zip(begins, np.append(begins[1:], len(run)), strict=True):
         rows = np.arange(first, last)
         clock = run.columns.get("time_s", np.arange(len(run), dtype=np.float64))
@@ -46,9 +51,10 @@ def visits_of(run: Run, compiled: CompiledRobot) -> Iterator[SegmentInput]:
         )
         words = {1.0: " from below", -1.0: " from above"}.get(float(side), "")
         still = np.zeros(q.shape, dtype=bool)
-        yield SegmentInput(
-            f"{run.name}, pose {pose[first]:g}{words}", tuple(groups), motion, zeros[1:], still, still[:, 0]
-        )
+        label = f"{run.name}, pose {pose[first]:g}{words}"
+        times[label] += 1
+        again = f", visit {times[label]}" if times[label] > 1 else ""
+        yield SegmentInput(label + again, tuple(groups), motion, zeros[1:], still, still[:, 0])
 
 
 def _much_later(time: Array) -> NDArray[np.bool_]:

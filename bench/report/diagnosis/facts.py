@@ -144,5 +144,5 @@ def _compared(linear: LinearisedModel) -> dict[str, tuple[str, int]]:
     found = {}
     for name in linear.runs:
         mine = [segment for segment in linear.segments if segment.run == name]
-        found[name] = "static" if mine[0].is_static else "motion", sum(map(len, mine))
+        found[name] = "static" if mine[0].is_static else "motion", sum(len(one) for one in mine if not one.is_known)
     return found

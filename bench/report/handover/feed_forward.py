@@ -21,7 +21,9 @@ from bench.report.handover.applied import Applied
 from bench.report.handover.drag import drag_torque
 from bench.report.handover.motion_faults import clock_faults, derivative_faults
 from bench.robot.compiled import CompiledRobot
+from bench.simulate.instruments import Reading
 from bench.simulate.prescribed import Motion, Prescribed
+from bench.simulate.trace import Trace
 
 LEAST_ROWS = 3  # that a second derivative takes
 PARTS = ("links", "rotor", "friction", "balance", "rest")
@@ -151,19 +153,30 @@ def feed_forward(applied: Applied, motion: Motion) -> FeedForward:
         j = balance.joint
         parts["balance"][:, j] = trace.counterbalance_force * balance.lever_arm(trace.theta[:, j])
     parts["rest"] = trace.motor_torque - np.sum(list(parts.values()), axis=0)
-    reading = ideal_reading(compiled, trace)
-    for one in applied.world.acting:
-        reading = one.effect.distort(one.place, one.values, reading, trace, applied.conditions)
-    for nuisance, value in applied.world.deviations.items():
-        if nuisance.on_reading:
-            reading = nuisance.on_reading(value, reading)
-    shown = {}
+    reading, shown = _shown(applied, trace), {}
     for j, slide in enumerate(compiled.is_slide):
         if compiled.robot.figures.instruments.current:
             shown[f"current_{j + 1}_a"] = reading.current[:, j]
         if compiled.robot.figures.instruments.torque:
             shown[f"tau_motor_{j + 1}_{'n' if slide else 'nm'}"] = reading.torque[:, j]
     return FeedForward(motion.time, trace.motor_torque, parts, shown)
+
+
+def _shown(applied: Applied, trace: Trace) -> Reading:
+    """Return what instruments show, with their errors in the order of a replay (`Replay.predict`)."""
+    reading = ideal_reading(applied.compiled, trace)
+
+    def distorted(reading: Reading, *, of_machine: bool) -> Reading:
+        for one in applied.world.acting:
+            if (one.effect.level == "machine") == of_machine:
+                reading = one.effect.distort(one.place, one.values, reading, trace, applied.conditions)
+        return reading
+
+    reading = distorted(reading, of_machine=True)
+    for nuisance, value in applied.world.deviations.items():
+        if nuisance.on_reading:
+            reading = nuisance.on_reading(value, reading)
+    return distorted(reading, of_machine=False)
 
 
 def _winding(compiled: CompiledRobot, motion: Motion, wound: Array) -> tuple[Array, Array]:

@@ -1,11 +1,16 @@
 """Torques along a motion, against closed forms; and motions that cannot be taken."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from bench.cli import main
+from bench.diagnose.replay.nuisances import Nuisance
+from bench.diagnose.replay.world import World
+from bench.effects.catalogue import catalogue
+from bench.effects.effect import Acting, Place
 from bench.errors import InputError
 from bench.report.handover.applied import applied_robot
 from bench.report.handover.apply import beyond
@@ -121,6 +126,19 @@ def test_what_the_drive_shows_has_its_errors(found: Path, tmp_path: Path) -> Non
         expected = table.torque[:, j] / constant + readings.current_offset_a.get(name, 0.0)
         np.testing.assert_allclose(table.shown[f"current_{j + 1}_a"], expected, rtol=1e-9)
     assert readings.current_offset_a
+
+
+def test_errors_of_a_channel_come_in_the_order_of_a_replay(small_robot: Path, tmp_path: Path) -> None:
+    """A channel that is scaled scales the offset of its sensor too; it was added to what had been scaled."""
+    applied = applied_robot(load_robot(small_robot))
+    motion = read_motion(written(tmp_path / "m.csv", sweep(0.1)), applied.compiled)
+    offset = Nuisance("offset", "A", 1.0, on_reading=lambda x, seen: replace(seen, current=seen.current + x))
+    scaled = Acting(catalogue()["channel_scale"], Place("channel", 0, "current_1_a"), {"scale": 0.5})
+    off, plain = World({offset: 0.3}), feed_forward(applied, motion).shown["current_1_a"]
+    alone = feed_forward(replace(applied, world=off), motion).shown["current_1_a"]
+    both = feed_forward(replace(applied, world=replace(off, acting=(scaled,))), motion).shown["current_1_a"]
+    assert np.any(alone != plain)
+    np.testing.assert_allclose(both, 1.5 * alone, rtol=1e-12)
 
 
 @pytest.mark.parametrize(
