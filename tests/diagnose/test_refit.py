@@ -221,7 +221,9 @@ def test_derivatives_are_those_of_simulations_where_what_is_left_is_linearised()
 def test_corrected_derivatives_are_right_along_the_step_and_the_same_across_it(rng: np.random.Generator) -> None:
     tangent, step, scale = rng.normal(size=(7, 3)), rng.normal(size=3), np.array([1.0, 1e-3, 50.0])
     missed = rng.normal(size=7)
-    found = broyden(tangent, tangent @ step + missed, step, scale)
+    precision = tangent.T @ tangent + np.diag(scale**-2.0)
+    found, after = broyden(tangent, precision, tangent @ step + missed, step, scale)
+    np.testing.assert_allclose(after, found.T @ found + np.diag(scale**-2.0), rtol=1e-9, atol=1e-9 * np.max(after))
     np.testing.assert_allclose(found @ step, tangent @ step + missed, rtol=1e-12)
     across = np.cross(step / scale, [1.0, 2.0, 3.0]) * scale  # at right angles to the step, in units of the parameters
     np.testing.assert_allclose(found @ across, tangent @ across, rtol=1e-12, atol=1e-12 * np.max(np.abs(tangent)) * 50)

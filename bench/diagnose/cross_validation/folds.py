@@ -1,6 +1,7 @@
 """What is held out at a time: whole recordings, runs of the only one, or blocks of the only run with an effect."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -38,6 +39,11 @@ class Folds:
 
     def __len__(self) -> int:
         return int(self.gap.shape[1])
+
+    @cached_property
+    def key(self) -> tuple[bytes, bytes]:
+        """The same for folds that leave out the same."""
+        return self.of_instants.tobytes(), np.packbits(self.gap).tobytes()
 
     def of_rows(self, linear: LinearisedModel) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
         """Return the fold, shape (m,), and the gaps, shape (m, K), of whitened readings."""

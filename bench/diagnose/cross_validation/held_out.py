@@ -21,6 +21,7 @@ import numpy as np
 from bench.diagnose.cross_validation.floor import floor_variance
 from bench.diagnose.cross_validation.folds import Folds, folds_of, folds_of_states
 from bench.diagnose.cross_validation.leave_out import (
+    Tangent,
     errors_of_folds,
     log_probability_of_figures,
     log_probability_of_folds,
@@ -145,7 +146,13 @@ class HeldOut:
         return self.is_gain and is_better and not any(one.lost > most_lost for one in self.channels)
 
 
-def held_out(linear: LinearisedModel, before: Fit, after: Fit, before_in: LinearisedModel | None = None) -> HeldOut:
+def held_out(
+    linear: LinearisedModel,
+    before: Fit,
+    after: Fit,
+    before_in: LinearisedModel | None = None,
+    tangent: Tangent | None = None,
+) -> HeldOut:
     """Return what `after` is worth against `before`.
 
     Intervals are a Bayesian bootstrap over the folds (Dirichlet weights), so an effect that two runs of twenty show is
@@ -156,6 +163,7 @@ def held_out(linear: LinearisedModel, before: Fit, after: Fit, before_in: Linear
         before: Fit of the model without the extension.
         after: Fit with it.
         before_in: The design of `before`, where that has fewer nuisances, the first of the other's; None: the same.
+        tangent: Of `after`, where it is known.
     """
     designs = before_in or linear, linear
     count = len(before.nuisances)
@@ -164,7 +172,7 @@ def held_out(linear: LinearisedModel, before: Fit, after: Fit, before_in: Linear
     only = acts_in.pop() if len(acts_in) == 1 else None
     changed = linear.whiten(before.residual - after.residual)
     folds = folds_of(linear, changed, only)
-    tangents = [tangent_of(own, fit) for own, fit in zip(designs, (before, after), strict=True)]
+    tangents = tangent_of(designs[0], before), tangent or tangent_of(linear, after)
     one, two = (log_probability_of_folds(linear, tangent, folds) for tangent in tangents)
     figures = log_probability_of_figures(after, tangents[1], count) - log_probability_of_figures(before, tangents[0])
     rise = (two - one)[: folds.own]

@@ -10,7 +10,8 @@ a fit ends a little beside it, where a simulation fell by less than they promise
 send a parameter that the remaining runs do not tell as far as its prior allows. A parameter at its bound stays there.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Hashable
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +44,7 @@ class Tangent:
         log_determinants: Shape (m,), of whitening.
         free: Shape (q,), indices of the parameters that are not at a bound.
         step: Shape (p + k,), from the fit to the optimum.
+        known: What was left out of it so far, by the key of the folds.
     """
 
     jacobian: Array
@@ -51,11 +53,31 @@ class Tangent:
     log_determinants: Array
     free: NDArray[np.int64]
     step: Array
+    known: dict[Hashable, "LeftOut"] = field(default_factory=dict)
 
     @property
     def free_precision(self) -> Array:
         """Shape (q, q), of the parameters that are not at a bound."""
         return self.precision[np.ix_(self.free, self.free)]
+
+    def left_out(self, linear: LinearisedModel, folds: Folds) -> "LeftOut":
+        """Return what comes of leaving out each of some folds, worked out once for all that leave out the same."""
+        if folds.key not in self.known:
+            self.known[folds.key] = _left_out(linear, self, folds)
+        return self.known[folds.key]
+
+
+@dataclass(frozen=True, eq=False)
+class LeftOut:
+    """A fit to all folds but one, for each of K.
+
+    Attributes:
+        steps: Shape (K, q), of the free parameters.
+        log_probability: Shape (K,), of the readings of that fold [nats].
+    """
+
+    steps: Array
+    log_probability: Array
 
 
 def tangent_of(linear: LinearisedModel, fit: Fit) -> Tangent:
@@ -65,8 +87,8 @@ def tangent_of(linear: LinearisedModel, fit: Fit) -> Tangent:
         linear: The campaign.
         fit: To all of it.
     """
-    linear = with_play(fit.design(linear), fit.play)
-    jacobian = np.concatenate([linear.jacobian, linear.whiten(fit.jacobian)], axis=1)
+    linear = with_play(linear, fit.play)
+    jacobian = linear.tangent(fit.jacobian, fit.renewed)
     prior = _prior(fit)
     precision = jacobian.T @ jacobian + np.diag(prior)
     low, high = bounds_of(linear.nuisances, fit.unknowns)
@@ -95,15 +117,7 @@ def log_probability_of_folds(linear: LinearisedModel, tangent: Tangent, folds: F
 
     An extension that is sure of what it does not know loses here; one that only says it does not know, hardly.
     """
-    row_fold, row_gap = folds.of_rows(linear)
-    found = np.empty(len(folds))
-    for f in range(len(folds)):
-        mine = row_fold == f
-        step, rest = _step(tangent, tangent.white, mine | row_gap[:, f], tangent.free)
-        own = tangent.jacobian[mine][:, tangent.free]
-        volume = float(np.sum(tangent.log_determinants[mine]))
-        found[f] = volume + _log_density(tangent.white[mine] - own @ step, own, rest)
-    return found
+    return tangent.left_out(linear, folds).log_probability
 
 
 def log_probability_of_figures(fit: Fit, tangent: Tangent, count: int | None = None) -> float:
@@ -147,14 +161,19 @@ def errors_of_folds(
         unknown: Shape (p,), nuisances that are fitted, but of which a prediction has none; None: it has all.
     """
     p, away = len(fit.nuisances), _from_stated(fit) + tangent.step
-    clamp, free = _clamped(away[:p], tangent)
-    white = tangent.white - tangent.jacobian @ clamp
     row_fold, row_gap = folds.of_rows(linear)
+    if np.all(np.abs(away[:p]) <= REACH):
+        clamp, free, steps = np.zeros_like(away), tangent.free, tangent.left_out(linear, folds).steps
+    else:
+        clamp, free = _clamped(away[:p], tangent)
+        jacobian, white = tangent.jacobian[:, free], tangent.white - tangent.jacobian @ clamp
+        precision = tangent.precision[np.ix_(free, free)]
+        absent = ((row_fold == f) | row_gap[:, f] for f in range(len(folds)))
+        steps = np.stack([_step(jacobian[gone], white[gone], precision)[0] for gone in absent])
     error = np.where(measured(linear), fit.residual, np.nan)
     for f in range(len(folds)):
-        step, _ = _step(tangent, white, (row_fold == f) | row_gap[:, f], free)
         moved = clamp.copy()
-        moved[free] += step
+        moved[free] += steps[f]
         if folds.recordings:
             mine = np.intersect1d(_of_recording(linear, fit, folds.recordings[f]), tangent.free)
             moved[mine] = _fitted_to(tangent, _prior(fit), away, row_fold == f, moved, mine)
@@ -162,23 +181,51 @@ def errors_of_folds(
             moved[:p][unknown] = -away[:p][unknown]
         moved += tangent.step
         at = folds.of_instants == f
-        error[at] -= (fit.change(linear, moved[:p]) + fit.jacobian @ moved[p:])[at]
+        error[at] -= fit.change(linear, moved[:p], at) + fit.jacobian[at] @ moved[p:]
     return error
 
 
-def _step(tangent: Tangent, white: Array, absent: NDArray[np.bool_], free: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Return the step of free parameters without some readings, shape (q,), and the precision that is left, (q, q).
+def _left_out(linear: LinearisedModel, tangent: Tangent, folds: Folds) -> LeftOut:
+    """Return what comes of leaving out each fold with its gap.
+
+    What is left out is normal around its prediction with the covariance I + T R^-1 T^T, where R is the precision of
+    what stays. By Sylvester's theorem its determinant is that of R + T^T T over that of R; without a gap R + T^T T is
+    the precision given all readings, the same for all folds.
+    """
+    row_fold, row_gap = folds.of_rows(linear)
+    jacobian, precision = tangent.jacobian[:, tangent.free], tangent.free_precision
+    whole = cho_factor(precision)
+    steps, found = np.empty((len(folds), len(precision))), np.empty(len(folds))
+    for f in range(len(folds)):
+        mine, gap = row_fold == f, row_gap[:, f]
+        own, absent = jacobian[mine], mine | gap
+        steps[f], rest = _step(jacobian[absent] if gap.any() else own, tangent.white[absent], precision)
+        beside = jacobian[gap & ~mine]
+        given = cho_factor(precision - beside.T @ beside) if len(beside) else whole
+        error = tangent.white[mine] - own @ steps[f]
+        pull = own.T @ error
+        square = float(error @ error) - float(pull @ cho_solve(given, pull))
+        determinant = _log_determinant(given) - _log_determinant(rest)
+        volume = float(np.sum(tangent.log_determinants[mine]))
+        found[f] = volume - 0.5 * (square + determinant + len(error) * float(np.log(2 * np.pi)))
+    return LeftOut(steps, found)
+
+
+def _step(gone: Array, white: Array, precision: Array) -> tuple[Array, tuple[Array, bool]]:
+    """Return the step of free parameters without some readings, shape (q,), and the factor of the precision that stays.
 
     Args:
-        tangent: The fit.
-        white: Shape (m,), residual at its optimum.
-        absent: Shape (m,), readings that are left out.
-        free: Shape (q,), parameters that may move.
+        gone: Shape (r, q), changes of what is left out.
+        white: Shape (r,), residual of it at the optimum.
+        precision: Shape (q, q), given all readings.
     """
-    gone = tangent.jacobian[absent][:, free]
-    rest = tangent.precision[np.ix_(free, free)] - gone.T @ gone
-    step = -cho_solve(cho_factor(rest), gone.T @ white[absent])
-    return step, rest
+    rest = cho_factor(precision - gone.T @ gone)
+    return -cho_solve(rest, gone.T @ white), rest
+
+
+def _log_determinant(factor: tuple[Array, bool]) -> float:
+    """Return the logarithm of the determinant of what was factored."""
+    return 2 * float(np.sum(np.log(np.diag(factor[0]))))
 
 
 def _of_recording(linear: LinearisedModel, fit: Fit, recording: str) -> NDArray[np.int64]:
@@ -216,26 +263,9 @@ def _clamped(figures: Array, tangent: Tangent) -> tuple[Array, NDArray[np.int64]
         tangent: The fit.
     """
     p, step, free = len(figures), np.zeros(len(tangent.precision)), tangent.free
-    if np.all(np.abs(figures) <= REACH):
-        return step, free
     low, high = np.full(len(step), -np.inf), np.full(len(step), np.inf)
     low[:p], high[:p] = -REACH - figures, REACH - figures
     root = np.linalg.cholesky(tangent.free_precision).T
     found = lsq_linear(root, np.zeros(len(free)), (low[free], high[free]), method="bvls")
     step[free] = found.x
     return step, free[found.active_mask == 0]
-
-
-def _log_density(error: Array, jacobian: Array, precision: Array) -> float:
-    """Return the log density of an error that is normal with covariance I + slopes precision^-1 slopes^T.
-
-    Args:
-        error: Shape (m,).
-        jacobian: Shape (m, q).
-        precision: Shape (q, q).
-    """
-    both = precision + jacobian.T @ jacobian
-    pull = jacobian.T @ error
-    square = float(error @ error) - float(pull @ cho_solve(cho_factor(both), pull))
-    determinant = float(np.linalg.slogdet(both)[1] - np.linalg.slogdet(precision)[1])
-    return -0.5 * (square + determinant + len(error) * float(np.log(2 * np.pi)))

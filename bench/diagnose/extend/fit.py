@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel, relinearised
@@ -157,16 +158,19 @@ class Fit:
             return linear
         return relinearised(linear, list(self.renewed), np.stack(list(self.renewed.values()), axis=2))
 
-    def change(self, linear: LinearisedModel, nuisances: Array) -> Array:
+    def change(self, linear: LinearisedModel, nuisances: Array, at: NDArray[np.bool_] | None = None) -> Array:
         """Return what nuisances change to first order, shape (T, c).
 
         Args:
             linear: The campaign.
             nuisances: Shape (p,), in standard deviations of their priors.
+            at: Shape (instants,), the T of them that are asked for; None: all.
         """
-        found: Array = linear.sensitivities @ nuisances
+        every = slice(None) if at is None else at
+        sensitivities = linear.sensitivities[every]
+        found: Array = sensitivities @ nuisances
         for i, renewed in self.renewed.items():
-            found += (renewed - linear.sensitivities[:, :, i]) * nuisances[i]
+            found += (renewed[every] - sensitivities[:, :, i]) * nuisances[i]
         return found
 
     def slopes_of(self, unknowns: tuple[Unknown, ...]) -> dict[int, Array]:

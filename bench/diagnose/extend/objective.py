@@ -94,6 +94,7 @@ class Objective:
         nothing = np.zeros(linear.sensitivities.shape[:2])
         self._idle = {i: nothing for i, nuisance in enumerate(linear.nuisances) if nuisance.beside not in at_work}
         self._by_sensitivity = [i for i, nuisance in enumerate(linear.nuisances) if not nuisance.is_simulated]
+        self._sensitivities = np.ascontiguousarray(linear.sensitivities[:, :, self._by_sensitivity])
         self._observed = linear.observed
 
     def at(self, nuisances: Array, values: Array, residual: Array | None = None) -> State:
@@ -172,10 +173,9 @@ class Objective:
         if columns:
             jacobian = np.stack([columns[i] for i in range(len(self.unknowns))], axis=2)
         renewed = {**(nuisances or {}), **self._idle}
-        tangent = np.concatenate([self.linear.jacobian, self.linear.whiten(jacobian)], axis=1)
-        if renewed:
-            tangent[:, list(renewed)] = self.linear.whiten(np.stack(list(renewed.values()), axis=2))
-        return Derivatives(None if known else state, jacobian, tangent, self._precision(tangent), renewed)
+        tangent = self.linear.tangent(jacobian, renewed)
+        precision = np.asarray(tangent.T @ tangent + np.diag(1 / self.units**2))
+        return Derivatives(None if known else state, jacobian, tangent, precision, renewed)
 
     def all_derivatives(
         self, state: State, which: NDArray[np.bool_] | None = None, known: Derivatives | None = None
@@ -225,11 +225,9 @@ class Objective:
     def corrected(self, derivatives: Derivatives, before: State, after: State) -> Derivatives:
         """Return derivatives that are right along a step that was simulated."""
         step = np.concatenate([after.nuisances - before.nuisances, after.values - before.values])
-        tangent = broyden(derivatives.tangent, before.white - after.white, step, self.units)
-        return replace(derivatives, tangent=tangent, precision=self._precision(tangent), is_doubtful=True)
-
-    def _precision(self, tangent: Array) -> Array:
-        return np.asarray(tangent.T @ tangent + np.diag(1 / self.units**2))
+        known = derivatives.tangent, derivatives.precision
+        tangent, precision = broyden(*known, before.white - after.white, step, self.units)
+        return replace(derivatives, tangent=tangent, precision=precision, is_doubtful=True)
 
     def _world(self, nuisances: Array, values: Array) -> World:
         return world_of(self.linear, self.causes, self.unknowns, values, nuisances)
@@ -240,9 +238,8 @@ class Objective:
 
     def _left(self, nuisances: Array, values: Array) -> Array:
         """Return measured less simulated, shape (T, c)."""
-        which = self._by_sensitivity
         simulated = self._simulated(nuisances, values)
-        return np.asarray(self._observed - simulated - self.linear.sensitivities[:, :, which] @ nuisances[which])
+        return np.asarray(self._observed - simulated - self._sensitivities @ nuisances[self._by_sensitivity])
 
     def _of_torques(self, state: State, known: Mapping[int, Array]) -> dict[int, Array]:
         """Return the change of the readings with each unknown that is not known and adds a torque, shape (T, c)."""

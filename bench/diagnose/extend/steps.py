@@ -42,18 +42,26 @@ def bounded_step(curvature: Array, gradient: Array, low: Array, high: Array) -> 
     return np.clip(step, low, high)
 
 
-def broyden(tangent: Array, change: Array, step: Array, scale: Array) -> Array:
+def broyden(tangent: Array, precision: Array, change: Array, step: Array, scale: Array) -> tuple[Array, Array]:
     """Return derivatives that are right along a step that was simulated, as near as may be to those before.
 
-    J' = J + (y - J s) s' D^-2 / s' D^-2 s, with what the step s changed, y (Broyden, A class of methods for solving
-    nonlinear simultaneous equations, 1965), in units D, so that parameters of different units count alike.
+    J' = J + u v', u = y - J s, v = D^-2 s / s' D^-2 s, with what the step s changed, y (Broyden, A class of methods for
+    solving nonlinear simultaneous equations, 1965), in units D, so that parameters of different units count alike. The
+    precision, J' J and that of priors, follows: P + (J' u) v' + v (J' u)' + (u' u) v v'.
 
     Args:
         tangent: Shape (m, q), change of what is simulated with each parameter.
+        precision: Shape (q, q), of the parameters.
         change: Shape (m,), what the step changed.
         step: Shape (q,).
         scale: Shape (q,), units of the parameters.
+
+    Returns:
+        The derivatives, and the precision with them.
     """
     along = step / scale**2
-    found: Array = tangent + np.outer(change - tangent @ step, along / float(along @ step))
-    return found
+    along = along / float(along @ step)
+    missed = change - tangent @ step
+    cross = np.outer(tangent.T @ missed, along)
+    more = cross + cross.T + float(missed @ missed) * np.outer(along, along)
+    return tangent + np.outer(missed, along), precision + more

@@ -6,7 +6,7 @@ simulation (`bench.diagnose.extend.refit`).
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -134,6 +134,18 @@ class LinearisedModel:
             np.concatenate([whitening.factors for whitening in self.whitenings]),
             np.flatnonzero(np.concatenate([whitening.rows for whitening in self.whitenings])),
         )
+
+    def tangent(self, beside: Array, renewed: Mapping[int, Array]) -> Array:
+        """Return the changes of whitened readings with nuisances and other parameters, shape (m, p + k).
+
+        Args:
+            beside: Shape (T, c, k), changes of the readings with the others.
+            renewed: Changes with nuisances that are not those of the model, each by its index, shape (T, c).
+        """
+        found = np.concatenate([self.jacobian, self.whiten(beside)], axis=1)
+        if renewed:
+            found[:, list(renewed)] = self.whiten(np.stack(list(renewed.values()), axis=2))
+        return found
 
     def split(self, values: Array) -> list[Array]:
         """Return values of shape (T, ...) segment by segment."""

@@ -29,7 +29,7 @@ class Finding:
     Attributes:
         cause: The cause.
         fit: With it.
-        without: Fit of the model without it.
+        without: Fit of the model without it, as long as it may be refused; None: nobody needs it.
         log_evidence: By how much the logarithm of the evidence falls without it.
         held_out: What it is worth on what was held out.
         is_taken: Whether the model keeps it.
@@ -38,7 +38,7 @@ class Finding:
 
     cause: Cause
     fit: Fit
-    without: Fit
+    without: Fit | None
     log_evidence: float
     held_out: HeldOut
     is_taken: bool

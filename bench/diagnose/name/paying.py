@@ -1,13 +1,14 @@
 """What pays: each finding of a model held against what was held out, beside all others."""
 
 from collections.abc import Hashable, Sequence
-from dataclasses import replace
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from bench.diagnose.cross_validation.held_out import held_out
+from bench.diagnose.cross_validation.held_out import HeldOut, held_out
 from bench.diagnose.cross_validation.jackknife import with_jackknife
+from bench.diagnose.cross_validation.leave_out import Tangent, tangent_of
 from bench.diagnose.extend.fit import Fit, fit_without
 from bench.diagnose.extend.refit import refit, refitted
 from bench.diagnose.extend.size import evidence_of, is_clear_of_none, wald
@@ -47,19 +48,76 @@ def held_findings(
         threshold: Log evidence that chance exceeds at the declared rate.
         executor: Where to fit.
     """
-    found = dict[Hashable, Finding]()
-    error = SimulationError(linear, null, model)
-    as_stated = with_scatter(model, linear).fit
-    fits = in_order(executor, partial(_fit_without, linear, model), causes)
-    for cause, fit in zip(causes, fits, strict=True):
-        if fit is None:
-            continue
-        without = fit.with_causes(_others(model, cause))
-        gain = held_out(model.linear(linear), without, model.fit)
-        is_clear = is_clear_of_none(cause, as_stated)  # else runs disagree whether there is anything
-        pays = gain.is_gain and is_clear and error.is_needed(without, threshold)
-        found[cause.key] = Finding(cause, model.fit, without, rise_of(model.fit, without), gain, pays)
-    return found
+    held = in_order(executor, _Held(linear, null, model, threshold), causes)
+    return {
+        cause.key: Finding(
+            cause=cause,
+            fit=model.fit,
+            without=one.without.with_causes(_others(model, cause)) if one.without else None,
+            log_evidence=one.rise,
+            held_out=one.gain,
+            is_taken=one.without is None,
+        )
+        for cause, one in zip(causes, held, strict=True)
+        if one
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class _Worth:
+    """What a cause of a model is worth beside the others, as it passes between processes.
+
+    Attributes:
+        rise: By how much the logarithm of the evidence falls without it.
+        gain: What it is worth on what was held out.
+        without: The model fitted without it, without the objects of its causes, where it does not pay; None: it does.
+    """
+
+    rise: float
+    gain: HeldOut
+    without: Fit | None
+
+
+@dataclass(frozen=True, eq=False)
+class _Held:
+    """A model of which each cause is held against what was held out; what all causes share is worked out once.
+
+    Attributes:
+        linear, null, model, threshold: As of `held_findings`.
+    """
+
+    linear: LinearisedModel
+    null: Fit
+    model: Model
+    threshold: float
+
+    def __call__(self, cause: Cause, progress: Progress) -> _Worth | None:
+        """Return what a cause is worth; None: there is no balance without it."""
+        fit = self.model.fit
+        without = _fit_without(self.design, self.model, cause, progress)
+        if without is None:
+            return None
+        gain = held_out(self.design, without, fit, tangent=self._tangent)
+        is_clear = is_clear_of_none(cause, self._as_stated)  # else runs disagree whether there is anything
+        pays = gain.is_gain and is_clear and self._error.is_needed(without, self.threshold)
+        return _Worth(rise_of(fit, without), gain, None if pays else without.with_causes(()))
+
+    @cached_property
+    def design(self) -> LinearisedModel:
+        """The campaign with the background errors of the model."""
+        return self.model.linear(self.linear)
+
+    @cached_property
+    def _tangent(self) -> Tangent:
+        return tangent_of(self.design, self.model.fit)
+
+    @cached_property
+    def _as_stated(self) -> Fit:
+        return with_scatter(self.model, self.linear).fit
+
+    @cached_property
+    def _error(self) -> SimulationError:
+        return SimulationError(self.linear, self.null, self.model)
 
 
 def shape_pays(linear: LinearisedModel, null: Fit, model: Model, threshold: float) -> bool:
@@ -81,7 +139,7 @@ def shape_pays(linear: LinearisedModel, null: Fit, model: Model, threshold: floa
     return held_out(model.linear(linear), without, fit, linear).is_gain
 
 
-def _fit_without(linear: LinearisedModel, model: Model, cause: Cause, progress: Progress) -> Fit | None:
+def _fit_without(design: LinearisedModel, model: Model, cause: Cause, progress: Progress) -> Fit | None:
     """Return a model fitted without one of its causes, to its end where that may matter; None: nothing balances.
 
     Where far more is missing than anything can make up for, a fit bends all else by hundreds of standard deviations,
@@ -91,7 +149,6 @@ def _fit_without(linear: LinearisedModel, model: Model, cause: Cause, progress: 
     """
     fit = model.fit
     start = {key: value for key, value in fit.start.items() if key[:2] != cause.key}
-    design = model.linear(linear)
 
     def refit_without(*, renews: bool) -> Fit:
         without = _others(model, cause), start, fit.nuisances, fit
@@ -102,15 +159,14 @@ def _fit_without(linear: LinearisedModel, model: Model, cause: Cause, progress: 
         without = refit_without(renews=not is_plain)
         lost = evidence_of(cause, fit) if is_plain else np.inf
         if np.isfinite(lost) and fit.log_evidence - without.log_evidence > DECIDED:
-            told = replace(fit_without(design, fit, cause), log_evidence=fit.log_evidence - lost, is_settled=False)
-            return told.with_causes(())
+            return replace(fit_without(design, fit, cause), log_evidence=fit.log_evidence - lost, is_settled=False)
         if is_plain and fit.log_evidence - without.log_evidence <= DECIDED:
             without = refit_without(renews=True)
         if not without.is_settled and fit.log_evidence - without.log_evidence <= DECIDED:
             without = refitted(design, without, progress)
     except NOT_SIMULATED:
         return None
-    return without.with_causes(())
+    return without
 
 
 def _others(model: Model, cause: Cause) -> tuple[Cause, ...]:

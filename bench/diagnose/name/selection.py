@@ -306,8 +306,9 @@ class _Selection:
         count = 0
         while (failed := [one for one in held.values() if not one.is_taken]) and self.refusals.allow_more:
             worst = min(failed, key=lambda one: one.held_out.low)
+            assert worst.without
             self.best = replace(self.best, fit=worst.without)
-            self.refusals.add(held.pop(worst.cause.key), self.best.keys)
+            self.refusals.add(replace(held.pop(worst.cause.key), without=None), self.best.keys)
             count += 1
             held |= self._held([one.cause for one in failed if one is not worst])
         self.findings = held
