@@ -1,4 +1,4 @@
-"""From a campaign to a naming: replay, screen, refit. Extension files are written by `bench.report.diagnosis`."""
+"""From a campaign to a naming: replay, screen, refit. `bench.report.handover` writes the robot that is handed over."""
 
 from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress

@@ -43,7 +43,7 @@ class Score:
         return None if np.isnan(self.estimate) else self.low <= self.truth <= self.high
 
 
-def score_stiffness(estimate: StiffnessEstimate, truth_folder: Path, level: float = 0.95) -> tuple[Score, ...]:
+def score_stiffness(estimate: StiffnessEstimate, truth_folder: Path) -> tuple[Score, ...]:
     """Hold an estimate of the stiffness against the truth of a simulated campaign.
 
     Raises:
@@ -53,7 +53,7 @@ def score_stiffness(estimate: StiffnessEstimate, truth_folder: Path, level: floa
     return tuple(
         Score(name, true.unit, true.value, float(value), float(low), float(high))
         for name, true, value, (low, high) in zip(
-            estimate.joint_names, truth, estimate.stiffness, estimate.interval(level), strict=True
+            estimate.joint_names, truth, estimate.stiffness, estimate.interval(), strict=True
         )
     )
 

@@ -154,4 +154,4 @@ def _countable(numbers: Sequence[float]) -> list[float]:
 def _text(number: float, decimals: int) -> str:
     if isnan(number):
         return UNKNOWN
-    return ("inf" if number > 0 else "-inf") if isinf(number) else f"{number:.{decimals}f}"
+    return ("inf" if number > 0 else "-inf") if isinf(number) else f"{number:z.{decimals}f}"

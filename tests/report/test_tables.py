@@ -47,6 +47,11 @@ def test_as_many_digits_as_the_smallest_error_needs() -> None:
     assert aligned([Measured(nan, nan), Measured(inf), Measured(2.5)]) == ["-", "inf", "2.5"]
 
 
+def test_what_rounds_to_zero_has_no_sign() -> None:
+    """An axis that stood at -0.3 degrees was at "-0"."""
+    assert aligned([Measured(-0.3), Measured(-12.0)], 0) == ["0", "-12"]
+
+
 def test_plain_where_colour_is_not_wanted() -> None:
     assert "\x1b" not in printed()
     assert "\x1b" in printed(force_terminal=True)

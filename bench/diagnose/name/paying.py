@@ -113,7 +113,7 @@ class _Held:
 
     @cached_property
     def _as_stated(self) -> Fit:
-        return with_scatter(self.model, self.linear).fit
+        return with_jackknife_errors(self.model, self.linear).fit
 
     @cached_property
     def _error(self) -> SimulationError:
@@ -179,6 +179,6 @@ def fit_without_shape(linear: LinearisedModel, model: Model) -> Fit:
     return refit(linear, fit.causes, fit.start, fit.nuisances[: len(linear.nuisances)])
 
 
-def with_scatter(model: Model, linear: LinearisedModel) -> Model:
+def with_jackknife_errors(model: Model, linear: LinearisedModel) -> Model:
     """Return a model with standard errors that count how much runs disagree on its sizes."""
     return replace(model, fit=with_jackknife(model.linear(linear), model.fit))

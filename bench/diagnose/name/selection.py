@@ -27,7 +27,7 @@ from bench.diagnose.name.leaders import proposed, scattering, with_other_names
 from bench.diagnose.name.models import Fitter, Model, likeliest, reweighed, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
 from bench.diagnose.name.neighbourhood import Renew
-from bench.diagnose.name.paying import fit_without_shape, held_findings, shape_pays, with_scatter
+from bench.diagnose.name.paying import fit_without_shape, held_findings, shape_pays, with_jackknife_errors
 from bench.diagnose.name.refusals import Refusals
 from bench.diagnose.name.repeated import repeats
 from bench.diagnose.name.search import alternatives_of, exchanges, search
@@ -75,7 +75,7 @@ def name_cause(
     except Stopped as stopped:
         why = str(stopped)
     naming = selection.naming(why)
-    return replace(naming, models=tuple(with_scatter(model, naming.linear) for model in naming.models))
+    return replace(naming, models=tuple(with_jackknife_errors(model, naming.linear) for model in naming.models))
 
 
 @dataclass(eq=False)

@@ -33,11 +33,6 @@ class RecordingClock:
         curve: Array = np.where(self.is_break, np.nan, values[self.frame])
         return curve
 
-    def held(self, values: Array) -> Array:
-        """Return frames, shape (R, ...), of values at the instants, shape (T, ...), held over the breaks."""
-        held: Array = values[self.frame]
-        return held
-
 
 def recording_clock_of(linear: LinearisedModel) -> RecordingClock:
     """Return the clock of a campaign."""

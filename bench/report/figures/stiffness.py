@@ -39,12 +39,11 @@ class StiffnessSource:
     truth: Array | None = None
 
 
-def stiffness_figure(sources: Sequence[StiffnessSource], level: float = 0.95) -> "Figure":
+def stiffness_figure(sources: Sequence[StiffnessSource]) -> "Figure":
     """Return the figure: per joint, the sources below each other, and in each its methods with their intervals.
 
     Args:
         sources: At least one; all over the same joints.
-        level: Of the intervals.
 
     Raises:
         InputError: There is no estimate, or the sources are of different robots.
@@ -57,7 +56,7 @@ def stiffness_figure(sources: Sequence[StiffnessSource], level: float = 0.95) ->
     style = {name: (COLOURS[i % len(COLOURS)], MARKERS[i % len(MARKERS)]) for i, name in enumerate(methods)}
     panel_rows, rows = -(-len(joints) // COLUMNS), _rows(sources)
     figure, axes = new_figure(
-        f"Joint stiffness by method, {100 * level:g} % intervals",
+        "Joint stiffness by method, 95 % intervals",
         rows=panel_rows,
         columns=min(COLUMNS, len(joints)),
         height=0.6 + panel_rows * (0.85 + ROW_HEIGHT * len(rows)),
@@ -65,7 +64,7 @@ def stiffness_figure(sources: Sequence[StiffnessSource], level: float = 0.95) ->
     )
     panels = [panel for line in axes for panel in line]
     for joint, panel in enumerate(panels[: len(joints)]):
-        _draw_panel(panel, sources, joint, style, level)
+        _draw_panel(panel, sources, joint, style)
         panel.set_title(joints[joint], loc="left")
         panel.set_xlabel("stiffness [10$^6$ Nm/rad]")
     for panel in panels[len(joints) :]:
@@ -91,9 +90,9 @@ def _label_rows(panel: "Axes", rows: Sequence[tuple[str, bool]]) -> None:
 
 
 def _draw_panel(
-    panel: "Axes", sources: Sequence[StiffnessSource], joint: int, style: Mapping[str, tuple[str, str]], level: float
+    panel: "Axes", sources: Sequence[StiffnessSource], joint: int, style: Mapping[str, tuple[str, str]]
 ) -> None:
-    low, high = _span(sources, joint, level)
+    low, high = _span(sources, joint)
     panel.set_xlim(low, high)
     panel.grid(visible=False, axis="y")
     panel.tick_params(axis="y", length=0)
@@ -104,9 +103,7 @@ def _draw_panel(
             panel.axhline(first - 0.5, color=GREY, linewidth=0.6)
         for name, estimate in source.estimates.items():
             y += 1
-            _draw_estimate(
-                panel, y, estimate.stiffness[joint] / UNIT, estimate.interval(level)[joint] / UNIT, *style[name]
-            )
+            _draw_estimate(panel, y, estimate.stiffness[joint] / UNIT, estimate.interval()[joint] / UNIT, *style[name])
         for value in source.references.values():
             y += 1
             panel.plot(value[joint] / UNIT, y, "D", color=GREY, markerfacecolor="white", markersize=6)
@@ -129,12 +126,12 @@ def _draw_estimate(panel: "Axes", y: int, value: float, interval: Array, colour:
         panel.plot(right_end, y, ">", color=colour, markersize=6, clip_on=False)
 
 
-def _span(sources: Sequence[StiffnessSource], joint: int, level: float) -> tuple[float, float]:
+def _span(sources: Sequence[StiffnessSource], joint: int) -> tuple[float, float]:
     """Return the limits of the axis [10^6 Nm/rad]: all values, and intervals as far as they are not endless."""
     estimates = [estimate for source in sources for estimate in source.estimates.values()]
     known = [value for source in sources for value in (*source.references.values(), source.truth) if value is not None]
     values = np.array([estimate.stiffness[joint] for estimate in estimates] + [value[joint] for value in known]) / UNIT
-    ends = np.stack([estimate.interval(level)[joint] for estimate in estimates]) / UNIT
+    ends = np.stack([estimate.interval()[joint] for estimate in estimates]) / UNIT
     low = np.nanmin([*values, *ends[:, 0]])
     high = np.nanmax([*values, *np.minimum(ends[:, 1], LONGEST_INTERVAL * np.nanmax(values))])
     margin = MARGIN * (high - low)
