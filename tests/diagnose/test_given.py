@@ -12,7 +12,7 @@ from bench.diagnose.diagnose import diagnose
 from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import Cause, causes_of
 from bench.diagnose.linearise.lack_of_fit import FEW, missed
-from bench.diagnose.linearise.linearised_model import LinearisedModel, fit
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.replay.given import EARLIER, Posterior, PosteriorParameter, given_by, with_earlier
 from bench.diagnose.replay.nuisances import Nuisance, nuisances_of
@@ -94,7 +94,7 @@ def test_two_campaigns_in_a_row_are_both_at_once(robot: CompiledRobot, tmp_path:
     jacobian, white = later.jacobian[of_tables], later.white[of_tables]
     information += jacobian.T @ jacobian
     together = np.linalg.solve(information, jacobian.T @ white)
-    np.testing.assert_allclose(fit(later), together, rtol=ROUNDING, atol=ROUNDING)
+    np.testing.assert_allclose(later.most_probable(later.white), together, rtol=ROUNDING, atol=ROUNDING)
     precision = later.jacobian.T @ later.jacobian + np.eye(len(names))
     np.testing.assert_allclose(np.linalg.inv(precision), np.linalg.inv(information), rtol=ROUNDING, atol=ROUNDING)
     alone = np.linalg.inv(jacobian.T @ jacobian + np.eye(len(names)))

@@ -8,7 +8,7 @@ import pytest
 
 from bench.diagnose.diagnose import diagnose
 from bench.diagnose.linearise.contradicted import contradicted_readings
-from bench.diagnose.linearise.linearised_model import LinearisedModel, fit
+from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.nominal_model import linearised_model_of
 from bench.diagnose.replay.known import carried_mass, known_quantities, with_known_payload, with_known_segments
 from bench.diagnose.replay.nuisances import nuisances_of
@@ -76,7 +76,7 @@ def test_a_known_stiffness_pulls_figures_as_bayes_says(campaign: Campaign, robot
     spread = np.linalg.inv(jacobian.T @ jacobian + np.eye(len(names)))
     x = spread @ jacobian.T @ white
     moved = spread @ gain / (known.sigma**2 + gain @ spread @ gain) * (0.02 * K - gain @ x)
-    np.testing.assert_allclose(fit(linear), x + moved, rtol=ROUNDING, atol=ROUNDING)
+    np.testing.assert_allclose(linear.most_probable(linear.white), x + moved, rtol=ROUNDING, atol=ROUNDING)
     assert np.abs(moved[at]) > 0.1
     assert np.count_nonzero(np.abs(moved) > 1e-3) > 1
 
@@ -148,7 +148,9 @@ def test_two_readings_of_a_payload_weigh_by_their_errors(campaign: Campaign, rob
     spread = np.linalg.inv(jacobian.T @ jacobian + np.eye(len(linear.nuisances)))
     x = spread @ jacobian.T @ white
     pull = np.linalg.solve(np.eye(2) + rows @ spread @ rows.T, linear.white[known] - rows @ x)
-    np.testing.assert_allclose(fit(linear), x + spread @ rows.T @ pull, rtol=ROUNDING, atol=ROUNDING)
+    np.testing.assert_allclose(
+        linear.most_probable(linear.white), x + spread @ rows.T @ pull, rtol=ROUNDING, atol=ROUNDING
+    )
 
 
 @pytest.mark.parametrize("stated", [1.0, 2.0])

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.diagnose.linearise.marginal import Nuisances
 from bench.diagnose.linearise.noise_covariance import Scatter, Whitening
 from bench.diagnose.linearise.repeated_rests import RepeatedRests, whitenings_of
 from bench.diagnose.linearise.torque_response import TorqueResponse
@@ -147,6 +148,10 @@ class LinearisedModel:
             found[:, list(renewed)] = self.whiten(np.stack(list(renewed.values()), axis=2))
         return found
 
+    def most_probable(self, white: Array) -> Array:
+        """Return the nuisances that explain a whitened residual best under their priors, shape (p,), for (m,)."""
+        return Nuisances(self.jacobian).most_probable(white)
+
     def split(self, values: Array) -> list[Array]:
         """Return values of shape (T, ...) segment by segment."""
         return [values[rows] for rows in instants_of(self.segments)]
@@ -163,12 +168,6 @@ def relinearised(linear: LinearisedModel, which: Sequence[int], sensitivities: A
     every, jacobian = linear.sensitivities.copy(), linear.jacobian.copy()
     every[:, :, which], jacobian[:, which] = sensitivities, linear.whiten(sensitivities)
     return replace(linear, sensitivities=every, jacobian=jacobian)
-
-
-def fit(linear: LinearisedModel) -> Array:
-    """Return the nuisances that explain the residuals best under their priors, shape (p,), in standard deviations."""
-    normal = linear.jacobian.T @ linear.jacobian + np.eye(linear.jacobian.shape[1])
-    return np.asarray(np.linalg.solve(normal, linear.jacobian.T @ linear.white), dtype=np.float64)
 
 
 def assembled(

@@ -6,7 +6,7 @@ import numpy as np
 
 from bench.diagnose.linearise.each_weight import each_weight
 from bench.diagnose.linearise.held_friction import held_friction, levels_of
-from bench.diagnose.linearise.linearised_model import LinearisedModel, assembled, fit
+from bench.diagnose.linearise.linearised_model import LinearisedModel, assembled
 from bench.diagnose.linearise.noise_covariance import Scatter
 from bench.diagnose.linearise.other_noise import roughened, with_places, with_scatter
 from bench.diagnose.linearise.repeated_rests import repeating_share
@@ -46,10 +46,10 @@ def linearised_model_of(
     shaken = shaken_share(replay.compiled, replay.segments, responses, replay.quantities, parts)
     scatter = Scatter(replay.compiled.play, levels, shaken)
     plain = assembled(replay, nuisances, responses, scatter, replay.segments, sensitivities, residual)
-    parts = plain.split(residual - plain.sensitivities @ fit(plain))
+    parts = plain.split(residual - plain.sensitivities @ plain.most_probable(plain.white))
     repeats = repeating_share(replay.compiled, replay.segments, responses, replay.quantities, scatter, parts)
     plain = with_scatter(plain, replace(scatter, repeats=repeats)) if repeats else plain
     # What rings after a jerk is left out of the replay: where residuals are rough then, roughness is the noise.
     rings = [segment.rings for segment in replay.segments]
-    found = roughened(plain, residual - plain.sensitivities @ fit(plain), rings)
+    found = roughened(plain, residual - plain.sensitivities @ plain.most_probable(plain.white), rings)
     return with_places(found, found.residual)

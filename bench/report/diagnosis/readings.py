@@ -10,7 +10,6 @@ from bench.diagnose.cross_validation.floor import floor_variance
 from bench.diagnose.cross_validation.floor import measured as measured_at
 from bench.diagnose.diagnose import Diagnosis
 from bench.diagnose.extend.fit import pseudo_residual
-from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.name.learned_shape import learned_of
 from bench.diagnose.replay.instants import at_each_instant
 from bench.diagnose.replay.quantities import Quantity
@@ -163,7 +162,7 @@ def _comparison(diagnosis: Diagnosis, measured: Array) -> _Comparison:
     left, shape = fit.residual, np.zeros(len(linear.white))
     if learned is not None and learned.stands_out:
         shape = learned.block.columns @ learned.value
-        nuisances = _nuisances(linear, pseudo_residual(linear, fit) - shape)
+        nuisances = linear.most_probable(pseudo_residual(linear, fit) - shape)
         left = left + linear.sensitivities @ (fit.nuisances - nuisances) - linear.unwhiten(shape[:, None])[:, :, 0]
     after = linear.whiten(left)
     before = after + shape + linear.whiten(change)
@@ -181,9 +180,3 @@ def _moves(segment: Segment) -> NDArray[np.bool_]:
     """Return which drives move, shape (n,)."""
     moves: NDArray[np.bool_] = ~(np.asarray(segment.standing, dtype=bool) | segment.is_static)
     return moves
-
-
-def _nuisances(linear: LinearisedModel, white: Array) -> Array:
-    """Return the nuisances that explain a whitened residual best under their priors, shape (p,)."""
-    normal = linear.jacobian.T @ linear.jacobian + np.eye(linear.jacobian.shape[1])
-    return np.asarray(np.linalg.solve(normal, linear.jacobian.T @ white), dtype=np.float64)
