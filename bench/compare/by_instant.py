@@ -77,7 +77,6 @@ class ByInstant:
             joint=joint,
             residual=residual,
             slopes=slopes,
-            entries=tuple(_seeing(one, columns) for one in self.entries),
             columns=columns,
             discrepancy=columns if is_same else _turned(self.discrepancy, turn, place),
         )
@@ -118,12 +117,6 @@ def _turned(values: Array, turn: Array, place: NDArray[np.intp]) -> Array:
         every[here] = values[rows]
         found[rows] = (some @ every.reshape(len(some), c, -1)).reshape(len(every), -1)[here]
     return found
-
-
-def _seeing(entry: Entry, columns: Array) -> Entry:
-    """Return an entry that shows the columns that there are now."""
-    own = slice(int(entry.columns[0]), int(entry.columns[-1]) + 1)
-    return replace(entry, what=replace(entry.what, columns=columns[:, own]))
 
 
 def _tried(what: tuple[Candidate | Block, ...]) -> Tried:

@@ -146,7 +146,7 @@ def explained(
     measured = measured_by(campaign)
     around = Neighbourhood(compiled, task.catalogue, measured, task.rate, task.executor, recorded, reach, told)
     linear, screening = around.weighed(linear, signatures.causes, sensitivities)
-    naming = name_cause(linear, screening, around.about, progress, task.executor, earlier, told, learns=learns)
+    naming = name_cause(linear, screening, around, progress, task.executor, earlier, told, learns=learns)
     found = Explained(signatures, segments, naming, naming.linear)
     try:
         if naming.stopped:

@@ -191,7 +191,8 @@ def prepare(
     progress("a null campaign")
     campaign = lab.hide((), rng).campaign
     diagnosis = diagnose_with(campaign, compiled, catalogue, progress=progress, executor=executor)
-    listed = tuple(entry.what.columns for entry in diagnosis.naming.screening.entries if entry.cause)
+    tried = diagnosis.naming.tried
+    listed = tuple(tried.columns_of(entry) for entry in tried.entries if entry.cause)
     linear, threshold = diagnosis.linear, diagnosis.verdict.threshold
     return Setup(lab, compiled, catalogue, linear, Blur(linear.replay), threshold, listed)
 

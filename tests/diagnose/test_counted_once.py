@@ -30,7 +30,7 @@ def test_standard_errors_do_not_grow_from_one_finding_that_is_refused_to_the_nex
     linear = linearised_model_of(Replay(robot, segments, quantities), nuisances, sensitivities.nuisances)
     around = Neighbourhood(robot, effects, measured, 0.01)
     linear, screening = around.weighed(linear, causes, sensitivities)
-    selection = _Selection(linear, screening, around.about, lambda words: None, SERIAL)
+    selection = _Selection(linear, screening, around, lambda words: None, SERIAL)
     selection.best = Model(refit(linear, causes, {}))
     selection._relinearise()
     found = []

@@ -118,7 +118,7 @@ def fake(log_posterior: float, *keys: str) -> Model:
 def test_a_set_holds_what_cannot_be_told_from_the_best_and_nothing_with_more_in_it() -> None:
     models = (fake(9.0, "gas"), fake(8.0, "gas", "friction"), fake(5.0, "heat"), fake(2.0, "valve"))
     any_: Any = None
-    naming = Naming("cause", models, any_, any_, (), any_)
+    naming = Naming("cause", models, any_, any_, (), any_, any_)
     assert [sorted(model.keys) for model in naming.alternatives] == [["gas"], ["heat"]]
 
 
@@ -127,7 +127,7 @@ def test_what_is_found_is_found_with_all_that_it_covers() -> None:
     payload = Cause(UnstatedPayload(), WHOLE, (), ())
     model = Model(SimpleNamespace(causes=(payload,)))  # type: ignore[arg-type]
     any_: Any = None
-    found = Naming("cause", (model,), any_, any_, (), any_).found
+    found = Naming("cause", (model,), any_, any_, (), any_, any_).found
     assert found == {(name, "robot") for name in ("unstated_payload", "payload_mass", "payload_com")}
     assert set(UnstatedPayload.covers) <= set(catalogue())
 

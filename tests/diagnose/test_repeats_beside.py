@@ -76,7 +76,7 @@ def weighed(linear: LinearisedModel, monkeypatch: pytest.MonkeyPatch, tries: Seq
         columns = about.whiten(shift_of(about))
         return tried_of([Candidate(cause, {}, np.ones(2), plausible, columns) for cause in tries])
 
-    monkeypatch.setattr(around, "_everything", everything)
+    monkeypatch.setattr(around, "everything", everything)
     return around._repeating(linear, lambda about: about.whiten(about.residual)).scatter.repeats
 
 

@@ -199,7 +199,7 @@ def toy(signal: Array, *columns: Array) -> SearchSpace:
     what = tuple(Entry(place, np.array([i]), ()) for i, place in enumerate(places))
     model = SubsetPosterior(matrix.T @ matrix, matrix.T @ white, terms)
     nothing: Any = None
-    return SearchSpace(model, nothing, what, (), white, nothing, 7.0)
+    return SearchSpace(model, nothing, what, (), white, nothing, 7.0, nothing)
 
 
 def test_one_shape_is_preferred_to_several_causes_that_only_imitate_it(rng: np.random.Generator) -> None:

@@ -14,7 +14,7 @@ from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.limits import detection_limits, least_shape_seen
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.marginal import Nuisances
-from bench.diagnose.linearise.screening import Screening, tried_of
+from bench.diagnose.linearise.screening import Screening, screening_of, tried_of
 from bench.diagnose.name.naming import Naming
 from bench.diagnose.replay.quantities import AXES, Quantity
 from bench.diagnose.replay.replay import Replay
@@ -133,15 +133,16 @@ def undetectable_beside(
         executor: Where to simulate.
     """
     known = {cause.key for cause in causes}
-    entries = [one for one in (naming.tried.entries if naming.tried else ()) if one.cause]
+    entries = [one for one in naming.tried.entries if one.cause]
     new = [one for one in entries if one.cause and one.cause.key not in known | naming.found]
     if not new:
         return ()
     findings = [one for one in entries if one.cause and one.cause.key in naming.found]
-    background = [naming.linear.jacobian, *(one.what.columns * one.what.plausible for one in findings)]
-    tried = tried_of([one.what for one in new])
+    columns_of = naming.tried.columns_of
+    background = [naming.linear.jacobian, *(columns_of(one) * one.what.plausible for one in findings)]
+    tried = tried_of(replace(one.what, columns=columns_of(one)) for one in new)
     marginal = Nuisances(np.concatenate(background, axis=1)).products(naming.linear.white, tried.columns)
-    screening = Screening(marginal, tried.entries, naming.screening.threshold, tried)
+    screening = screening_of(naming.linear, marginal, tried, naming.screening.threshold)
     every = tuple({one.cause.key: one.cause for one in new if one.cause}.values())
     return undetectable_effects(
         compiled, segments, quantities, screening, every, executor, naming.found, naming.linear, beside
@@ -174,18 +175,15 @@ def _seen(screening: Screening, causes: Iterable[Cause], information: Array | No
 def _taken(screening: Screening, linear: LinearisedModel, unseen: Sequence[Cause]) -> dict[tuple[str, str], str]:
     """Return the causes that fitted figures hide -> name of the one that takes most of it.
 
-    The readings show them at a plausible size where all figures are right, and no more where these may be off. Of a
-    column x, the slope a of one figure takes (a^T x)^2 / a^T a.
+    The readings show them at a plausible size where all figures are right, and no more where these may be off.
     """
-    columns, slopes = screening.tried.columns, linear.jacobian
-    squares = np.einsum("ij,ij->j", slopes, slopes)
-    takes_most = np.argmax(columns.with_slopes(slopes) ** 2 / np.where(squares > 0, squares, np.inf)[:, None], axis=0)
-    shown = _seen(screening, unseen, columns.squares)
+    squares = screening.tried.columns.squares
+    shown = _seen(screening, unseen, squares)
     found: dict[tuple[str, str], str] = {}
     for entry in screening.entries:
         if entry.cause and entry.cause.key in shown:
-            clearest = entry.columns[np.argmax(columns.squares[entry.columns])]
-            found.setdefault(entry.cause.key, str(linear.nuisances[takes_most[clearest]]))
+            clearest = entry.columns[np.argmax(squares[entry.columns])]
+            found.setdefault(entry.cause.key, str(linear.nuisances[screening.takes_most[clearest]]))
     return found
 
 

@@ -30,10 +30,26 @@ class Columns:
     """
 
     def __init__(self, matrix: Array) -> None:
-        self.matrix = matrix
+        self._matrix: Array | None = matrix
         self._gram: Array | None = None
         self._slopes: Array | None = None
         self._cross: Array = np.empty((0, 0))
+
+    @property
+    def matrix(self) -> Array:
+        """Shape (m, q).
+
+        Raises:
+            RuntimeError: It was let go.
+        """
+        if self._matrix is None:
+            raise RuntimeError("these columns were let go: a later model has others")
+        return self._matrix
+
+    def let_go(self) -> None:
+        """Let go of the matrix, the largest of a diagnosis; of the products the squares stay."""
+        _ = self.squares
+        self._matrix = self._gram = self._slopes = None
 
     @property
     def gram(self) -> Array:

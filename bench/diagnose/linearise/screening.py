@@ -1,10 +1,11 @@
 """Everything that was tried on a campaign, in the linearised model: evidence for each candidate and each free shape."""
 
 from collections import Counter
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.diagnose.linearise.candidates import Candidate, Cause
 from bench.diagnose.linearise.generic import Block
@@ -28,7 +29,7 @@ class Entry:
     """One thing that was tried.
 
     Attributes:
-        what: A candidate (a cause with its shape fixed) or a block (a free shape).
+        what: A candidate (a cause with its shape fixed) or a block (a free shape), without columns of its own.
         columns: Shape (k,), consecutive indices into the columns of all that was tried.
         priors: Standard deviations of the columns' sizes, shape (k,) each, and the logarithm of the share that each has
             of the prior odds: a cause shares them among its shapes and widths, a free shape among its widths and
@@ -79,6 +80,10 @@ class Tried:
         """Shape (q,), standard deviations of the columns' sizes."""
         return np.concatenate([entry.what.plausible for entry in self.entries])
 
+    def columns_of(self, entry: Entry) -> Array:
+        """Return the columns of one of the entries, shape (m, k)."""
+        return self.columns.matrix[:, entry.columns]
+
 
 @dataclass(frozen=True, eq=False)
 class Screening:
@@ -88,30 +93,42 @@ class Screening:
         marginal: Products of residuals and all columns.
         entries: By falling evidence.
         threshold: Log evidence that chance exceeds at the declared rate; less it, evidence is posterior odds.
-        tried: The same entries as they are whitened now.
+        tried: The same entries as they are whitened now. A diagnosis lets go of its columns once it has a better model.
+        takes_most: Shape (q,), index of the nuisance that does most of what each column does.
     """
 
     marginal: Marginal
     entries: tuple[Entry, ...]
     threshold: float
     tried: Tried
+    takes_most: NDArray[np.intp]
 
 
-def tried_of(what: Sequence[Candidate | Block]) -> Tried:
-    """Return things to try with the places of their columns among those of all, in the order given."""
-    edges = np.cumsum([0, *(one.columns.shape[1] for one in what)])
-    matrix = np.empty((len(what[0].columns) if what else 0, int(edges[-1])))
-    shapes = Counter(one.cause.key if isinstance(one, Candidate) else str(one) for one in what)
-    entries = []
-    for one, start, end in zip(what, edges[:-1], edges[1:], strict=True):
+def tried_of(what: Iterable[Candidate | Block]) -> Tried:
+    """Return things to try with the places of their columns among those of all, in the order given.
+
+    Columns are moved one after the other: a caller that keeps none of them never has them twice.
+    """
+    waiting = list(what)
+    counts = [one.columns.shape[1] for one in waiting]
+    edges = np.cumsum([0, *counts])
+    matrix = np.empty((len(waiting[0].columns) if waiting else 0, int(edges[-1])))
+    found = []
+    for start, end in zip(edges[-2::-1], edges[:0:-1], strict=True):
+        one = waiting.pop()
         matrix[:, start:end] = one.columns
+        found.append(replace(one, columns=np.empty((0, end - start))))
+    every = found[::-1]
+    shapes = Counter(one.cause.key if isinstance(one, Candidate) else str(one) for one in every)
+    entries = []
+    for one, start, end in zip(every, edges[:-1], edges[1:], strict=True):
         if isinstance(one, Candidate):
             widths, count = widths_of(one.cause), shapes[one.cause.key]
         else:
             widths, count = WIDTHS, shapes[str(one)]
         share = -float(np.log(count * len(widths)))
         priors = tuple((width * one.plausible, share) for width in widths)
-        entries.append(Entry(replace(one, columns=matrix[:, start:end]), np.arange(start, end), priors))
+        entries.append(Entry(one, np.arange(start, end), priors))
     return Tried(tuple(entries), Columns(matrix))
 
 
@@ -142,7 +159,25 @@ def screen(linear: LinearisedModel, white: Array, tried: Tried, rate: float) -> 
     marginal = Nuisances(linear.jacobian).products(white, tried.columns)
     blocks = [(entry.columns, *prior) for entry in tried.entries for prior in entry.priors]
     threshold = family_threshold(marginal, blocks, rate, np.random.default_rng(0))
-    return Screening(marginal, ranked(marginal, tried.entries), threshold, tried)
+    return screening_of(linear, marginal, tried, threshold)
+
+
+def screening_of(linear: LinearisedModel, marginal: Marginal, tried: Tried, threshold: float) -> Screening:
+    """Return what was tried by falling evidence, and which nuisance does most of what each column does.
+
+    Of a column x, the slope a of one nuisance takes (a^T x)^2 / a^T a.
+
+    Args:
+        linear: The campaign.
+        marginal: Products of a residual and all columns.
+        tried: Everything.
+        threshold: Log evidence that chance exceeds at the declared rate.
+    """
+    slopes = linear.jacobian
+    squares = np.einsum("ij,ij->j", slopes, slopes)
+    taken = tried.columns.with_slopes(slopes) ** 2 / np.where(squares > 0, squares, np.inf)[:, None]
+    most = np.argmax(taken, axis=0) if len(taken) else np.zeros(taken.shape[1], dtype=np.intp)
+    return Screening(marginal, ranked(marginal, tried.entries), threshold, tried, most)
 
 
 def ranked(marginal: Marginal, entries: Sequence[Entry]) -> tuple[Entry, ...]:

@@ -16,7 +16,7 @@ def may_be_larger(naming: Naming) -> bool:
     They have to explain the greater part of it in the linearised model. That does not show plays, for where a link
     rests within one is chance: of these one that a fit wanted larger will do.
     """
-    if naming.unlisted is None or naming.tried is None or naming.plays_beyond:
+    if naming.unlisted is None or naming.plays_beyond:
         return True
     about = search_space(naming.linear, naming.tried, naming.screening.threshold, naming.models[0])
     return explains_unlisted(about, LARGER)

@@ -56,10 +56,10 @@ class Naming:
         screening: Everything that was tried against the nominal model.
         findings: Of the best model, the one with the most evidence first; then those that were refused.
         linear: The campaign linearised about the best model, its standard errors.
+        tried: Everything that can be tried on the best model, as `linear` whitens it.
         groups: Of each listed finding of the best model, what could stand in its place.
         promising: Causes that the last search found likely and that were not fitted.
         stopped: Why the search ended early; "" where it did not.
-        tried: Everything that was tried on the best model, as `linear` whitens it; None: there is none.
         plays_beyond: Plays that a fit wanted to be larger than plausible.
     """
 
@@ -69,10 +69,10 @@ class Naming:
     screening: Screening
     findings: tuple[Finding, ...]
     linear: LinearisedModel
+    tried: Tried
     groups: tuple[AmbiguityGroup, ...] = ()
     promising: tuple[Cause, ...] = ()
     stopped: str = ""
-    tried: Tried | None = None
     plays_beyond: frozenset[Hashable] = frozenset()
 
     @property

@@ -1,15 +1,15 @@
 """What can be tried about an extended model: a robot that has friction may have more of it at low speed, and so on."""
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 from types import MappingProxyType
-from typing import Protocol
 
 import numpy as np
 
 from bench.diagnose.extend.fit import pseudo_residual
-from bench.diagnose.linearise.candidates import LARGER, Cause, as_far_as_told, candidates_of, causes_of
-from bench.diagnose.linearise.generic import blocks_of
+from bench.diagnose.linearise.candidates import LARGER, Candidate, Cause, as_far_as_told, candidates_of, causes_of
+from bench.diagnose.linearise.generic import Block, blocks_of
 from bench.diagnose.linearise.lack_of_fit import are_settled, factors_of, left_by_nuisances, unexplained
 from bench.diagnose.linearise.linearised_model import LinearisedModel, relinearised
 from bench.diagnose.linearise.marginal import Nuisances
@@ -28,17 +28,9 @@ from bench.executor.serial import SERIAL
 from bench.record.campaign import Array
 from bench.robot.compiled import CompiledRobot
 
+Needs = dict[Hashable, frozenset[Hashable]]  # key of a cause -> those of findings that it cannot do without
 WhiteOf = Callable[[LinearisedModel], Array]  # residual of a model, nuisances at zero, whitened
 ROUNDS = 6  # effort: of weighing anew with other standard errors
-
-
-class Renew(Protocol):
-    """Returns the campaign linearised about a model, with everything that can be tried there."""
-
-    def __call__(
-        self, linear: LinearisedModel, model: Model, *, is_last: bool = False
-    ) -> tuple[LinearisedModel, Tried]:
-        """Return the design and what can be tried; `is_last`: nothing will be added, what is missed now is noise."""
 
 
 class Neighbourhood:
@@ -97,8 +89,8 @@ class Neighbourhood:
         other = self._repeating(linear, lambda nominal: nominal.white)
         return (linear, screening) if other is linear else self._screened(other)
 
-    def about(self, linear: LinearisedModel, model: Model, *, is_last: bool = False) -> tuple[LinearisedModel, Tried]:
-        """Return the campaign linearised about an extended model, with everything that can be tried there.
+    def about(self, linear: LinearisedModel, model: Model, *, is_last: bool = False) -> tuple[LinearisedModel, Needs]:
+        """Return the campaign linearised about an extended model, and what has a place beside its findings alone.
 
         Signatures are simulated anew where effects find places that they did not find before.
 
@@ -126,12 +118,9 @@ class Neighbourhood:
             own = self._looked_around(own, lambda other: pseudo_residual(other, fit))
         # of what the fit leaves, and once: with larger standard errors nuisances would be free to leave more, and so on
         own = raised(own, factors_of(own, own.whiten(fit.residual), own.unexplained, is_last=is_last))
-        linear = without_shape(own, count)
-        return linear, replace(self._everything(linear), needs=self.needs(fit.causes, world, own.replay.robot))
+        return without_shape(own, count), self.needs(fit.causes, world, own.replay.robot)
 
-    def needs(
-        self, found: Sequence[Cause], world: World, robot_of: Callable[[World], CompiledRobot]
-    ) -> dict[Hashable, frozenset[Hashable]]:
+    def needs(self, found: Sequence[Cause], world: World, robot_of: Callable[[World], CompiledRobot]) -> Needs:
         """Return what has no place on the nominal robot: its key -> keys of the findings that it cannot do without.
 
         Args:
@@ -147,7 +136,7 @@ class Neighbourhood:
         new = here - nominal
         # what had a place beside earlier models alone cannot be added: it needs itself
         gone = [one.key for one in self._causes if one.key not in here | nominal]
-        needs: dict[Hashable, frozenset[Hashable]] = {key: frozenset({key}) for key in gone}
+        needs: Needs = {key: frozenset({key}) for key in gone}
         for cause, acting in zip(found, world.acting, strict=True):
             if new and moves(cause.effect):
                 others = tuple(one for one in world.acting if one is not acting)
@@ -170,7 +159,7 @@ class Neighbourhood:
             if are_settled(factors):
                 break
             linear = raised(linear, factors)
-        return linear, screen(linear, linear.white, self._everything(linear), self.rate)
+        return linear, screen(linear, linear.white, self.everything(linear), self.rate)
 
     def _repeating(self, linear: LinearisedModel, white_of: WhiteOf) -> LinearisedModel:
         """Return the design in which as much of the friction at rest repeats as is most probable, whatever acts.
@@ -196,7 +185,7 @@ class Neighbourhood:
             linear: The campaign about the model.
             white: Shape (m,), its residual with nuisances at zero; what is left has the same shape.
         """
-        nuisances, tried = Nuisances(linear.jacobian), self._everything(linear)
+        nuisances, tried = Nuisances(linear.jacobian), self.everything(linear)
         marginal = nuisances.products(white, tried.columns)
         alone = float(np.sum(linear.log_determinants)) - marginal.misfit / 2 - nuisances.log_determinant
         best = ranked(marginal, tried.entries)[0]
@@ -208,7 +197,7 @@ class Neighbourhood:
     def _looked_around(self, linear: LinearisedModel, white_of: WhiteOf) -> LinearisedModel:
         """Return the design with what not even everything together explains, by the instruments' standard errors."""
         plain = raised(linear, 1 / linear.inflation)
-        tried = self._everything(plain)
+        tried = self.everything(plain)
         if not tried.entries:
             raise InputError(
                 "nothing of the catalogue would leave a trace in this campaign: log motor currents or torques, a "
@@ -217,11 +206,18 @@ class Neighbourhood:
         least = np.maximum(unexplained(plain, white_of(plain), tried.columns, tried.prior), 1.0)
         return replace(linear, unexplained=least)
 
-    def _everything(self, linear: LinearisedModel) -> Tried:
-        """Return every cause and every free shape as a design whitens them."""
+    def everything(self, linear: LinearisedModel) -> Tried:
+        """Return every cause and every free shape as a design whitens them, and let go of those of another design.
+
+        They are the largest matrix of a diagnosis (0.9 GB of 320 s of two recordings with seven drives).
+        """
         known = (linear.whitenings, self._changes)
         if self._tried is None or self._tried_for[0] is not known[0] or self._tried_for[1] is not known[1]:
-            self._tried = None  # not two of them at a time: they are the largest matrices of a diagnosis
-            candidates = candidates_of(linear, self._causes, self._changes.causes)
-            self._tried, self._tried_for = tried_of([*candidates, *blocks_of(linear)]), known
+            if self._tried:
+                self._tried.columns.let_go()
+            self._tried = None
+            every: Iterable[Candidate | Block] = chain(
+                candidates_of(linear, self._causes, self._changes.causes), blocks_of(linear)
+            )
+            self._tried, self._tried_for = tried_of(every), known
         return self._tried

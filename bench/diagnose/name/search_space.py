@@ -43,6 +43,7 @@ class SearchSpace:
         white: Shape (m,), residual without any finding, whitened.
         nuisances: That are integrated out.
         threshold: Log evidence that chance exceeds at the declared rate.
+        tried: What was screened.
     """
 
     model: SubsetPosterior
@@ -52,6 +53,7 @@ class SearchSpace:
     white: Array
     nuisances: Nuisances
     threshold: float
+    tried: Tried
 
     def cause(self, i: int) -> Cause | None:
         """Return the cause that a term stands for; None for a free shape."""
@@ -73,12 +75,12 @@ class SearchSpace:
         rise = self.model.additions(self.present, listed=False)[shapes]
         if not len(rise) or np.max(rise) < 0:
             return None
-        found = self.what[shapes[int(np.argmax(rise))]]
+        needed = shapes[int(np.argmax(rise))]
+        found, block = self.what[needed], self._block(needed)
         assert isinstance(found, Entry)
-        assert isinstance(found.what, Block)
         mine = [cause.drive == found.drive for cause in self.about.causes]
         tangents = [tangent for tangent, is_mine in zip(self.tangents, mine, strict=True) if is_mine]
-        columns = found.what.columns
+        columns = block.columns
         if tangents:
             own = np.concatenate(tangents, axis=1)
             columns = np.asarray(columns - own @ self.nuisances.regression(own, columns))
@@ -91,7 +93,7 @@ class SearchSpace:
         evidence = [marginal.log_evidence(which, width) + share for width, share in found.priors]
         width, share = found.priors[int(np.argmax(evidence))]
         candidate = self.candidate_of(self.present)
-        shape = replace(found.what, columns=columns, prior=float(width[0]))
+        shape = replace(block, columns=columns, prior=float(width[0]))
         return replace(candidate, shape=shape, log_odds=(*candidate.log_odds, share - self.threshold - LEAST))
 
     def instead(self, which: Sequence[int]) -> tuple[int, ...]:
@@ -145,6 +147,13 @@ class SearchSpace:
             del kept[int(np.argmax(without))]
         return (*kept, shape), total
 
+    def _block(self, i: int) -> Block:
+        """Return the free shape that a term stands for, with its columns."""
+        entry = self.what[i]
+        assert isinstance(entry, Entry)
+        assert isinstance(entry.what, Block)
+        return entry.what if i in self.shape else replace(entry.what, columns=self.tried.columns_of(entry))
+
     @property
     def present(self) -> tuple[int, ...]:
         """The terms of the model that it is linearised about."""
@@ -180,7 +189,7 @@ class SearchSpace:
                 causes.append(what.what.cause)
                 start |= _values(what.what, mine)
             else:
-                shape, of_shape = replace(what.what, prior=float(term.prior[0])), (term.log_odds,)
+                shape, of_shape = replace(self._block(i), prior=float(term.prior[0])), (term.log_odds,)
         order = {cause.key: place for place, cause in enumerate(self.about.causes)}
         causes.sort(key=lambda cause: order.get(cause.key, len(order)))
         # the nominal model's figures are bent by what is missing: no place to start from
@@ -252,7 +261,7 @@ def search_space(
         terms.append(Term(str(about.shape), its, about.shape.plausible, log_odds, entry.sign, False))
         what.append(entry)
     model = SubsetPosterior(information, scores, terms)
-    return SearchSpace(model, about, tuple(what), tuple(own), white, nuisances, threshold)
+    return SearchSpace(model, about, tuple(what), tuple(own), white, nuisances, threshold, tried)
 
 
 def _removal(linear: LinearisedModel, fit: Fit, cause: Cause) -> tuple[Array, Array]:

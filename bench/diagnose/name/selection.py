@@ -19,14 +19,14 @@ from bench.diagnose.extend.relinearise import relinearised_fit
 from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.linearise.other_noise import raised
-from bench.diagnose.linearise.screening import Screening
+from bench.diagnose.linearise.screening import Screening, Tried
 from bench.diagnose.name.beginning import with_what_drawings_leave_out
 from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of
 from bench.diagnose.name.instead_of_play import is_needed_in_motion
 from bench.diagnose.name.leaders import proposed, scattering, with_other_names
 from bench.diagnose.name.models import Fitter, Model, likeliest, reweighed, without_shape
 from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
-from bench.diagnose.name.neighbourhood import Renew
+from bench.diagnose.name.neighbourhood import Needs, Neighbourhood
 from bench.diagnose.name.paying import fit_without_shape, held_findings, shape_pays, with_jackknife_errors
 from bench.diagnose.name.refusals import Refusals
 from bench.diagnose.name.repeated import repeats
@@ -47,7 +47,7 @@ LEADERS = 6  # effort: alternatives of a search that are simulated; half of them
 def name_cause(
     linear: LinearisedModel,
     screening: Screening,
-    renew: Renew,
+    around: Neighbourhood,
     progress: Callable[[str], None] = lambda words: None,
     executor: Executor = SERIAL,
     earlier: Sequence[Fit] = (),
@@ -60,7 +60,7 @@ def name_cause(
     Args:
         linear: The campaign.
         screening: Everything that was tried in the linearised model.
-        renew: Weighs everything anew about an extended model.
+        around: Weighs everything anew about an extended model.
         progress: Called with what is done next.
         executor: Where to fit.
         earlier: Fits of the campaign with other priors, to begin from.
@@ -68,7 +68,7 @@ def name_cause(
         learns: False: where something stays unlisted, nothing else is asked. The rounds end once the last search has
             tried what is listed in its place.
     """
-    selection, why = _Selection(linear, screening, renew, progress, executor, earlier, told, learns), ""
+    selection, why = _Selection(linear, screening, around, progress, executor, earlier, told, learns), ""
     try:
         selection.begin()
         selection.run()
@@ -84,7 +84,8 @@ class _Selection:
 
     Attributes:
         linear: The campaign about the best model, or about the one before that found a balance.
-        screening, renew, progress, executor, earlier, told, learns: As of `name_cause`.
+        screening, around, progress, executor, earlier, told, learns: As of `name_cause`.
+        needs: What has a place beside findings of the best model alone.
         models: Those that the last search simulated, the most probable first.
         findings: Of the best model, each held against what was held out.
         refusals: What did not pay.
@@ -100,12 +101,13 @@ class _Selection:
 
     linear: LinearisedModel
     screening: Screening
-    renew: Renew
+    around: Neighbourhood
     progress: Callable[[str], None]
     executor: Executor
     earlier: Sequence[Fit] = ()
     told: Collection[tuple[str, int]] = ()
     learns: bool = True
+    needs: Needs = field(default_factory=dict)
     models: tuple[Model, ...] = ()
     findings: dict[Hashable, Finding] = field(default_factory=dict)
     refusals: Refusals = field(default_factory=Refusals)
@@ -118,9 +120,14 @@ class _Selection:
     before: Array | None = None
 
     def __post_init__(self) -> None:
-        self.nominal, self.tried = self.linear, self.screening.tried
+        self.nominal = self.linear
         self.null = refit(self.linear, (), {})
         self.best = Model(self.null)
+
+    @property
+    def tried(self) -> Tried:
+        """Everything that can be tried on the best model."""
+        return replace(self.around.everything(self.linear), needs=self.needs)
 
     def naming(self, stopped: str = "") -> Naming:
         """Return what was found."""
@@ -143,7 +150,7 @@ class _Selection:
             groups=self._groups(ranked),
             promising=self.promising if stopped else (),
             stopped=stopped,
-            tried=None if is_null else self.tried,
+            tried=self.around.everything(self.nominal if is_null else self.linear),
             plays_beyond=frozenset(self.plays_beyond),
         )
 
@@ -283,11 +290,11 @@ class _Selection:
             if not is_last:
                 about, fit = relinearised_fit(model.linear(linear), model.fit)
                 linear, model = without_shape(about, len(linear.nuisances)), replace(model, fit=fit)
-            new, tried = self.renew(linear, model, is_last=is_last)
+            new, needs = self.around.about(linear, model, is_last=is_last)
             # evidence against it is the same for all, so it need not settle
             null = self.null if new is self.linear else refit(new, (), {}, settles=False)
             best = _fitted_to(new, linear, model)
-            self.linear, self.tried, self.null, self.before = best.fit.design(new), tried, null, before
+            self.linear, self.needs, self.null, self.before = best.fit.design(new), needs, null, before
             self.best = replace(best, fit=replace(best.fit, renewed={}))
 
     def _refuse(self) -> bool:
