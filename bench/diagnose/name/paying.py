@@ -94,13 +94,10 @@ class _Held:
     def __call__(self, cause: Cause, progress: Progress) -> _Worth | None:
         """Return what a cause is worth; None: there is no balance without it."""
         fit = self.model.fit
-        without = _fit_without(self.design, self.model, cause, progress, fit.log_evidence - PLAIN)
+        without = _fit_without(self.design, self.model, cause, progress)
         if without is None:
             return None
         gain = held_out(self.design, without, fit, tangent=self._tangent)
-        if without.log_evidence < fit.log_evidence - PLAIN and gain.low < DECIDED:  # then a better fit may matter
-            without = _fit_without(self.design, self.model, cause, progress) or without
-            gain = held_out(self.design, without, fit, tangent=self._tangent)
         is_clear = is_clear_of_none(cause, self._as_stated)  # else runs disagree whether there is anything
         pays = gain.is_gain and is_clear and self._error.is_needed(without, self.threshold)
         return _Worth(rise_of(fit, without), gain, None if pays else without.with_causes(()))
@@ -142,29 +139,20 @@ def shape_pays(linear: LinearisedModel, null: Fit, model: Model, threshold: floa
     return held_out(model.linear(linear), without, fit, linear).is_gain
 
 
-def _fit_without(
-    design: LinearisedModel, model: Model, cause: Cause, progress: Progress, least: float = -np.inf
-) -> Fit | None:
+def _fit_without(design: LinearisedModel, model: Model, cause: Cause, progress: Progress) -> Fit | None:
     """Return a model fitted without one of its causes, to its end where that may matter; None: nothing balances.
 
     Where far more is missing than anything can make up for, a fit bends all else by hundreds of standard deviations,
     and ends anywhere: without the friction of one joint, the other two of an arm erred by fifty times as much. Then the
     fit is that of derivatives about the whole model: they tell what it comes to, and what all else can do within reach
     of what is stated.
-
-    Args:
-        design: The campaign with the background errors of the model.
-        model: With the cause.
-        cause: To leave out.
-        progress: As of `refit`.
-        least: Log evidence from where on a fit that is far behind ends, as of `refit`.
     """
     fit = model.fit
     start = {key: value for key, value in fit.start.items() if key[:2] != cause.key}
 
     def refit_without(*, renews: bool) -> Fit:
         without = _others(model, cause), start, fit.nuisances, fit
-        return refit(design, *without, settles=False, renews=renews, least=least, progress=progress)
+        return refit(design, *without, settles=False, renews=renews, progress=progress)
 
     try:
         is_plain = wald(cause, fit)[0] / 2 > PLAIN
