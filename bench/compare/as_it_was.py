@@ -130,7 +130,7 @@ def as_it_was(
                 around = Neighbourhood(compiled, known, measured, FALSE_ALARM_RATE, watched, recorded)
                 weighed, screening = around.weighed(linear, causes, changes)
                 if not is_handed_over or _shows(screening):
-                    candidate = what_is_left_out(weighed, screening, Model(fit))
+                    candidate = what_is_left_out(weighed, around.everything(weighed), screening.threshold, Model(fit))
                     may_be_held = not is_handed_over
                     world, left = _with_what_is_left_out(linear, fit, candidate, watched, may_be_held=may_be_held)
             if not is_handed_over and left > FITS:

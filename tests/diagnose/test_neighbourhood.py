@@ -9,9 +9,12 @@ from bench.diagnose.extend.refit import refit
 from bench.diagnose.linearise.candidates import causes_of
 from bench.diagnose.linearise.lack_of_fit import missed
 from bench.diagnose.linearise.nominal_model import linearised_model_of
+from bench.diagnose.linearise.other_noise import raised
+from bench.diagnose.linearise.repeated_rests import repeating_visits
 from bench.diagnose.linearise.signatures import Signatures
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.neighbourhood import Neighbourhood
+from bench.diagnose.name.selection import name_cause
 from bench.diagnose.replay.nuisances import nuisances_of
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -22,7 +25,7 @@ from bench.effects.conditions import Conditions
 from bench.effects.effect import Acting
 from bench.robot.compiled import CompiledRobot, compile_robot
 from bench.robot.folder import load_robot
-from tests.diagnose.sweeps import SWEEPS, made, nominal
+from tests.diagnose.sweeps import LOADS, SWEEPS, made, nominal
 
 SIZES = {"coulomb_friction": {"level": 100.0}, "viscous_friction": {"coefficient": 300.0}, "link_mass": {"change": 0.1}}
 MORE = ("coulomb_level", "viscous_level", "direction_friction", "direction_viscous")
@@ -70,3 +73,23 @@ def test_what_counts_as_noise_is_what_a_fit_leaves() -> None:
     expected = np.maximum(missed(linear, there.white, is_last=True) * linear.inflation, about.unexplained)
     np.testing.assert_allclose(about.inflation, expected, rtol=0.02)  # friction of the model scatters otherwise
     assert np.max(about.inflation) > 2
+
+
+def test_what_is_tried_stands_by_whatever_was_looked_at_meanwhile() -> None:
+    """How much friction at rest repeats is asked about other designs: columns of the first were let go with that."""
+    campaign = made(LOADS, 3)
+    again = tuple(replace(run, name=f"{run.name}-again", start_s=run.start_s + 1e4) for run in campaign.runs)
+    campaign = replace(campaign, runs=(*campaign.runs, *again))
+    robot, effects = nominal(), {"gas_loss": catalogue()["gas_loss"]}
+    quantities = quantities_of(campaign.runs, robot)
+    nuisances, segments = nuisances_of(robot, quantities), segments_of(campaign, robot, quantities)
+    assert repeating_visits(segments)
+    measured = frozenset(quantity.kind for quantity in quantities)
+    causes = causes_of(effects.values(), robot, measured)
+    sensitivities = Signatures(robot, quantities, nuisances, causes).sensitivities(segments)
+    linear = linearised_model_of(Replay(robot, segments, quantities), nuisances, sensitivities.nuisances)
+    around = Neighbourhood(robot, effects, measured, 0.01)
+    linear, screening = around.weighed(linear, causes, sensitivities)
+    assert name_cause(linear, screening, around).kind == "nothing found"
+    around.everything(raised(linear, np.full_like(linear.inflation, 2.0)))
+    assert name_cause(linear, screening, around).kind == "nothing found"

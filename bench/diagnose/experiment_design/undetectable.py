@@ -142,7 +142,7 @@ def undetectable_beside(
     background = [naming.linear.jacobian, *(columns_of(one) * one.what.plausible for one in findings)]
     tried = tried_of(replace(one.what, columns=columns_of(one)) for one in new)
     marginal = Nuisances(np.concatenate(background, axis=1)).products(naming.linear.white, tried.columns)
-    screening = screening_of(naming.linear, marginal, tried, naming.screening.threshold)
+    screening = screening_of(naming.linear, marginal, tried.entries, naming.screening.threshold)
     every = tuple({one.cause.key: one.cause for one in new if one.cause}.values())
     return undetectable_effects(
         compiled, segments, quantities, screening, every, executor, naming.found, naming.linear, beside
@@ -177,7 +177,7 @@ def _taken(screening: Screening, linear: LinearisedModel, unseen: Sequence[Cause
 
     The readings show them at a plausible size where all figures are right, and no more where these may be off.
     """
-    squares = screening.tried.columns.squares
+    squares = screening.marginal.columns.squares
     shown = _seen(screening, unseen, squares)
     found: dict[tuple[str, str], str] = {}
     for entry in screening.entries:

@@ -90,17 +90,15 @@ class Screening:
     """What was tried, against one model.
 
     Attributes:
-        marginal: Products of residuals and all columns.
+        marginal: Products of residuals and all columns. A diagnosis lets go of these, but for their squares.
         entries: By falling evidence.
         threshold: Log evidence that chance exceeds at the declared rate; less it, evidence is posterior odds.
-        tried: The same entries as they are whitened now. A diagnosis lets go of its columns once it has a better model.
         takes_most: Shape (q,), index of the nuisance that does most of what each column does.
     """
 
     marginal: Marginal
     entries: tuple[Entry, ...]
     threshold: float
-    tried: Tried
     takes_most: NDArray[np.intp]
 
 
@@ -159,10 +157,10 @@ def screen(linear: LinearisedModel, white: Array, tried: Tried, rate: float) -> 
     marginal = Nuisances(linear.jacobian).products(white, tried.columns)
     blocks = [(entry.columns, *prior) for entry in tried.entries for prior in entry.priors]
     threshold = family_threshold(marginal, blocks, rate, np.random.default_rng(0))
-    return screening_of(linear, marginal, tried, threshold)
+    return screening_of(linear, marginal, tried.entries, threshold)
 
 
-def screening_of(linear: LinearisedModel, marginal: Marginal, tried: Tried, threshold: float) -> Screening:
+def screening_of(linear: LinearisedModel, marginal: Marginal, entries: Sequence[Entry], threshold: float) -> Screening:
     """Return what was tried by falling evidence, and which nuisance does most of what each column does.
 
     Of a column x, the slope a of one nuisance takes (a^T x)^2 / a^T a.
@@ -170,14 +168,14 @@ def screening_of(linear: LinearisedModel, marginal: Marginal, tried: Tried, thre
     Args:
         linear: The campaign.
         marginal: Products of a residual and all columns.
-        tried: Everything.
+        entries: Everything that was tried.
         threshold: Log evidence that chance exceeds at the declared rate.
     """
     slopes = linear.jacobian
     squares = np.einsum("ij,ij->j", slopes, slopes)
-    taken = tried.columns.with_slopes(slopes) ** 2 / np.where(squares > 0, squares, np.inf)[:, None]
+    taken = marginal.columns.with_slopes(slopes) ** 2 / np.where(squares > 0, squares, np.inf)[:, None]
     most = np.argmax(taken, axis=0) if len(taken) else np.zeros(taken.shape[1], dtype=np.intp)
-    return Screening(marginal, ranked(marginal, tried.entries), threshold, tried, most)
+    return Screening(marginal, ranked(marginal, entries), threshold, most)
 
 
 def ranked(marginal: Marginal, entries: Sequence[Entry]) -> tuple[Entry, ...]:

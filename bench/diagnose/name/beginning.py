@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.linearise.screening import Screening
+from bench.diagnose.linearise.screening import Tried
 from bench.diagnose.name.candidate_model import CandidateModel
 from bench.diagnose.name.models import Fitter, Model, likeliest
 from bench.diagnose.name.search_space import search_space
@@ -44,7 +44,8 @@ def told_by(first: FirstPass | None) -> dict[tuple[str, int], float]:
 
 def with_what_drawings_leave_out(
     linear: LinearisedModel,
-    screening: Screening,
+    tried: Tried,
+    threshold: float,
     nominal: Model,
     executor: Executor,
     told: Collection[tuple[str, int]] = (),
@@ -61,17 +62,18 @@ def with_what_drawings_leave_out(
 
     Args:
         linear: The campaign.
-        screening: Everything that was tried.
+        tried: Everything that can be tried.
+        threshold: Log evidence that chance exceeds at the declared rate.
         nominal: The nominal model; it is returned for a robot whose friction is stated.
         executor: Where to fit.
         told: What a first pass has: names of effects, each with the index of its drive.
     """
-    candidate = what_is_left_out(linear, screening, nominal)
+    candidate = what_is_left_out(linear, tried, threshold, nominal)
     if not any(cause.effect.name == CoulombFriction.name for cause in candidate.causes):
         return nominal
     begun = partial(_begun, linear, nominal, executor)
     best = likeliest([nominal, *begun(candidate)])
-    beside = begun(what_is_left_out(linear, screening, nominal, told=told)) if told else []
+    beside = begun(what_is_left_out(linear, tried, threshold, nominal, told=told)) if told else []
     return max([best, *beside], key=lambda model: model.fit.log_evidence)
 
 
@@ -83,7 +85,8 @@ def _begun(linear: LinearisedModel, nominal: Model, executor: Executor, candidat
 
 def what_is_left_out(
     linear: LinearisedModel,
-    screening: Screening,
+    tried: Tried,
+    threshold: float,
     nominal: Model,
     told: Collection[tuple[str, int]] = (),
 ) -> CandidateModel:
@@ -91,11 +94,12 @@ def what_is_left_out(
 
     Args:
         linear: The campaign.
-        screening: Everything that was tried.
+        tried: Everything that can be tried.
+        threshold: Log evidence that chance exceeds at the declared rate.
         nominal: The nominal model.
         told: Names of further effects, each with the index of a drive.
     """
-    about = search_space(linear, screening.tried, screening.threshold, nominal)
+    about = search_space(linear, tried, threshold, nominal)
     rise = about.model.additions(())
     best: dict[Hashable, int] = {}
     for i in range(len(about.what)):

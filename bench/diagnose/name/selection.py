@@ -164,7 +164,9 @@ class _Selection:
 
     def begin(self) -> None:
         """Take what drawings leave out of a robot all at once."""
-        self.best = with_what_drawings_leave_out(self.linear, self.screening, self.best, self.executor, self.told)
+        self.best = with_what_drawings_leave_out(
+            self.linear, self.tried, self.screening.threshold, self.best, self.executor, self.told
+        )
         self._relinearise()
 
     def run(self) -> None:
