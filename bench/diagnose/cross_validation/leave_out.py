@@ -53,7 +53,7 @@ class Tangent:
     log_determinants: Array
     free: NDArray[np.int64]
     step: Array
-    known: dict[Hashable, "LeftOut"] = field(default_factory=dict)
+    known: dict[Hashable, "LeftOut"] = field(default_factory=dict, init=False)
 
     @property
     def free_precision(self) -> Array:

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.diagnose.extend.fit import Fit, Key, Unknown, fit_without, pseudo_residual
+from bench.diagnose.extend.fit import Fit, Key, fit_without, pseudo_residual
 from bench.diagnose.extend.steps import bounded_step
 from bench.diagnose.linearise.candidates import Candidate, Cause
 from bench.diagnose.linearise.generic import Block
@@ -21,6 +21,7 @@ from bench.diagnose.linearise.marginal import Columns, Nuisances
 from bench.diagnose.linearise.screening import WIDTHS, Entry, Tried, widths_of
 from bench.diagnose.linearise.threshold import LEAST
 from bench.diagnose.name.candidate_model import CandidateModel
+from bench.diagnose.name.first_values import first_bounds, first_values
 from bench.diagnose.name.models import Model
 from bench.diagnose.name.sizes import log_of_widths
 from bench.diagnose.name.subset_posterior import SubsetPosterior, Term
@@ -176,7 +177,7 @@ class SearchSpace:
         shape: Block | None = None
         sizes = np.empty(0)
         if len(which):
-            bounds = [_bounds(self.what[i], len(self.model.terms[i].columns)) for i in which]
+            bounds = [first_bounds(self.what[i], len(self.model.terms[i].columns)) for i in which]
             sizes = bounded_step(*self.model.equations(which), *np.concatenate(bounds, axis=1))
         of_shape: tuple[float, ...] = ()
         for i in which:
@@ -187,7 +188,7 @@ class SearchSpace:
                 start |= {key: value for key, value in self.about.fit.start.items() if key[:2] == what.key}
             elif isinstance(what.what, Candidate):
                 causes.append(what.what.cause)
-                start |= _values(what.what, mine)
+                start |= first_values(what.what, mine)
             else:
                 shape, of_shape = replace(self._block(i), prior=float(term.prior[0])), (term.log_odds,)
         order = {cause.key: place for place, cause in enumerate(self.about.causes)}
@@ -278,32 +279,3 @@ def _removal(linear: LinearisedModel, fit: Fit, cause: Cause) -> tuple[Array, Ar
     if np.any(x):
         tangent = tangent + np.outer(removed - tangent @ sizes, x / (x @ x)) / scale
     return removed, tangent
-
-
-def _bounds(what: Entry | Cause, k: int) -> Array:
-    """Return the least and the largest sizes with which a fit of a term may begin, shape (2, k); inf where any may.
-
-    Args:
-        what: The term. Sizes of a cause that is in the model already are those of its fit.
-        k: Number of its columns.
-    """
-    if isinstance(what, Cause) or not isinstance(what.what, Candidate):
-        return np.stack([np.full(k, -np.inf), np.full(k, np.inf)])
-    candidate = what.what
-    null = np.array([size.null for size in candidate.cause.sizes])
-    ends = (
-        np.array([Unknown(candidate.cause, size).bounds for size in candidate.cause.sizes]).T - null
-    ) / candidate.step
-    return np.sort(ends, axis=0)
-
-
-def _values(candidate: Candidate, sizes: Array) -> dict[Key, float]:
-    """Return first values of a candidate's parameters, from its sizes in steps."""
-    key = candidate.cause.key
-    values = {(*key, name): value for name, value in candidate.shape.items()}
-    for size, x, step in zip(candidate.cause.sizes, sizes, candidate.step, strict=True):
-        value = size.null + float(x * step)
-        if candidate.cause.effect.scatters:  # where chance acts, which the linearised model does not know
-            value = max(value, size.typical)
-        values[*key, size.name] = value
-    return values

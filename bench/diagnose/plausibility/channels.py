@@ -26,9 +26,10 @@ from bench.diagnose.plausibility.repeated import BINS, Repeated
 from bench.diagnose.plausibility.single_rows import BEYOND, jumps
 from bench.diagnose.plausibility.slow_clock import slow_clock
 from bench.diagnose.plausibility.smoothed import smoothed
+from bench.diagnose.plausibility.some_channels import with_channels
 from bench.diagnose.plausibility.speeds import least_top_speed
 from bench.diagnose.plausibility.unstated_loads import unstated_loads
-from bench.diagnose.replay.segments import readings_of, segments_of
+from bench.diagnose.replay.segments import segments_of
 from bench.effects.places import speed_limit, torque_limit
 from bench.errors import ConvergenceError, InputError
 from bench.identify.dynamics.turned import turned_axis
@@ -149,7 +150,7 @@ def _of_payload(stated: Campaign, repeated: Repeated, picture: DrivePicture) -> 
     payloads = [one.value for one in stated.known if one.quantity == PAYLOAD and one.value > 0]
     if payloads:
         drives = repeated.drives
-        segments = readings_of(segments_of(stated, repeated.compiled, drives, BINS), drives, drives)
+        segments = with_channels(segments_of(stated, repeated.compiled, drives, BINS), drives, drives)
         yield from mistaken_payload(picture, Recording(repeated.replay(segments, drives)), max(payloads))
 
 

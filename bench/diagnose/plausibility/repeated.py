@@ -6,9 +6,10 @@ from typing import Self
 
 from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
 from bench.diagnose.plausibility.first_look import DriveLook, first_look, resting_torque
+from bench.diagnose.plausibility.some_channels import with_channels
 from bench.diagnose.replay.quantities import Quantity, quantities_of
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import Segment, readings_of, segments_of
+from bench.diagnose.replay.segments import Segment, segments_of
 from bench.record.campaign import Array, Campaign
 from bench.record.carried import with_payloads
 from bench.robot.compiled import CompiledRobot
@@ -58,12 +59,12 @@ class Repeated:
     @cached_property
     def paid(self) -> tuple[Segment, ...]:
         """Segments in which drives were read, with their readings."""
-        return readings_of(self.segments, self.quantities, self.drives)
+        return with_channels(self.segments, self.quantities, self.drives)
 
     @cached_property
     def seen(self) -> tuple[Segment, ...]:
         """Segments in which anything else was read, with its readings."""
-        return readings_of(self.segments, self.quantities, self.others)
+        return with_channels(self.segments, self.quantities, self.others)
 
     @cached_property
     def by_drives(self) -> Replay:

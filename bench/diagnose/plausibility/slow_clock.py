@@ -12,7 +12,7 @@ from bench.diagnose.plausibility.drive_picture import drive_picture
 from bench.diagnose.plausibility.first_look import Clock, clock_of, first_look, resting_torque
 from bench.diagnose.plausibility.repeated import BINS, Repeated
 from bench.diagnose.plausibility.speeds import fastest
-from bench.diagnose.replay.segments import readings_of, segments_of
+from bench.diagnose.replay.segments import segments_of
 from bench.errors import ConvergenceError
 from bench.record.campaign import Campaign, Run
 
@@ -34,7 +34,7 @@ def slow_clock(repeated: Repeated, level: float) -> Clock | None:
         return None
     faster = replace(campaign, runs=tuple(_with_clock(campaign, factor)))
     try:
-        segments = readings_of(segments_of(faster, compiled, drives, BINS), drives, drives)
+        segments = segments_of(faster, compiled, drives, BINS)
         replay = repeated.replay(segments, drives)
         found = clock_of(first_look(drive_picture(replay), resting_torque(replay)), compiled, level)
     except ConvergenceError:

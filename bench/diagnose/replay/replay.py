@@ -139,19 +139,13 @@ class Replay(MotionReplay):
         """Return the same for segments in which all of a world acts, but for what is known besides."""
         late = [acting.effect.lateness(acting.place, acting.values) for acting in world.acting]
         trace = read_late(self.compiled, segments, trace, [one for one in late if one and one.field != "motor_torque"])
-        reading = ideal_reading(self.compiled, trace)
-        of_machine = [one for one in world.acting if one.effect.level == "machine"]
-        reading = distorted(reading, segments, trace, of_machine)
-        for nuisance, value in world.deviations.items():
-            if nuisance.on_reading:
-                reading = nuisance.on_reading(value, reading)
-        # what is wrong with a recording comes last: a jump of a current is one of what the sensor shows, scale and all
-        reading = distorted(reading, segments, trace, [one for one in world.acting if one.effect.level != "machine"])
+        ideal = ideal_reading(self.compiled, trace)
+        reading = world.read(ideal, lambda reading, acting: distorted(reading, segments, trace, acting))
         return predicted(self.quantities, reading)
 
     def _say_known(self, values: Array, world: World, trace: Trace) -> None:
         """Write what the lab knows besides, as it is in a world; errors of the recording are not in it."""
-        of_machine = [one for one in self.whole(world).acting if one.effect.level == "machine"]
+        of_machine = self.whole(world).of_machine
         reading = distorted(ideal_reading(self.compiled, trace), self.segments, trace, of_machine)
         for segment, mine in zip(self.segments, self._rows, strict=True):
             if segment.label == LABEL:

@@ -196,23 +196,6 @@ def _rounded_alike(
     return tuple(replace(segment, sigma=own, counted_once=more) for segment, own, more in both)
 
 
-def readings_of(
-    segments: tuple[Segment, ...], every: tuple[Quantity, ...], kept: tuple[Quantity, ...]
-) -> tuple[Segment, ...]:
-    """Return the segments that have readings of some of the quantities, with those alone."""
-    columns = [every.index(quantity) for quantity in kept]
-    parts = (
-        replace(
-            segment,
-            observed=segment.observed[:, columns],
-            sigma=segment.sigma[:, columns],
-            counted_once=None if segment.counted_once is None else segment.counted_once[:, columns],
-        )
-        for segment in segments
-    )
-    return tuple(part for part in parts if np.any(np.isfinite(part.observed)))
-
-
 def conditions_of(run: Run, rows: Index, n: int) -> Conditions:
     """Return the mean temperatures over some rows; what nobody measured is at its reference, gears as the air."""
 

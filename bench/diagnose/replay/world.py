@@ -14,6 +14,7 @@ from bench.effects.recorded import LogError
 from bench.record.campaign import Array
 from bench.robot.compiled import SpecEdit
 from bench.robot.patched import Step
+from bench.simulate.instruments import Reading
 from bench.simulate.payload import bolt_on
 from bench.simulate.prescribed import Motion
 
@@ -73,6 +74,26 @@ class World:
             for is_after in (False, True)
         )
         return before, after
+
+    @property
+    def of_machine(self) -> tuple[Acting, ...]:
+        """Effects that are the machine's, not a recording's."""
+        return tuple(acting for acting in self.acting if acting.effect.level == "machine")
+
+    def read(self, reading: Reading, distorted: Callable[[Reading, Sequence[Acting]], Reading]) -> Reading:
+        """Return what its instruments show: the machine's effects, deviations of instruments, errors of a recording.
+
+        What is wrong with a recording comes last: a jump of a current is one of what the sensor shows, scale and all.
+
+        Args:
+            reading: What perfect instruments show.
+            distorted: Returns a reading in which some effects act.
+        """
+        reading = distorted(reading, self.of_machine)
+        for nuisance, value in self.deviations.items():
+            if nuisance.on_reading:
+                reading = nuisance.on_reading(value, reading)
+        return distorted(reading, [acting for acting in self.acting if acting.effect.level != "machine"])
 
 
 NOMINAL = World()

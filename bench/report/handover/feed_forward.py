@@ -11,6 +11,7 @@ from bench.diagnose.replay.perfect_instruments import ideal_reading
 from bench.diagnose.replay.resolution import LEAST_WINDOW
 from bench.diagnose.replay.uneven_derivative import derivative_over
 from bench.diagnose.replay.world import moved
+from bench.effects.effect import Acting
 from bench.errors import InputError
 from bench.identify.arm import Arm
 from bench.record import csv_table
@@ -163,20 +164,14 @@ def feed_forward(applied: Applied, motion: Motion) -> FeedForward:
 
 
 def _shown(applied: Applied, trace: Trace) -> Reading:
-    """Return what instruments show, with their errors in the order of a replay (`Replay.predict`)."""
-    reading = ideal_reading(applied.compiled, trace)
+    """Return what instruments show, with their errors."""
 
-    def distorted(reading: Reading, *, of_machine: bool) -> Reading:
-        for one in applied.world.acting:
-            if (one.effect.level == "machine") == of_machine:
-                reading = one.effect.distort(one.place, one.values, reading, trace, applied.conditions)
+    def distorted(reading: Reading, acting: Sequence[Acting]) -> Reading:
+        for one in acting:
+            reading = one.effect.distort(one.place, one.values, reading, trace, applied.conditions)
         return reading
 
-    reading = distorted(reading, of_machine=True)
-    for nuisance, value in applied.world.deviations.items():
-        if nuisance.on_reading:
-            reading = nuisance.on_reading(value, reading)
-    return distorted(reading, of_machine=False)
+    return applied.world.read(ideal_reading(applied.compiled, trace), distorted)
 
 
 def _winding(compiled: CompiledRobot, motion: Motion, wound: Array) -> tuple[Array, Array]:
