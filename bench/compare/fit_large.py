@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.compare.background import Background
-from bench.compare.large import LargeChange, bounds_of, together
+from bench.compare.large import LargeChange, all_acting, bounds_of
 from bench.compare.search_changes import Found, Possible, sizes_of
 from bench.compare.shared import undo_segments
 from bench.diagnose.extend.steps import bounded_step, ever_shorter
@@ -74,9 +74,9 @@ def departure(background: Background, change: LargeChange, possible: Possible) -
     same = [one for one in joint.large if one.cause.key == change.cause.key and one.shape == change.shape]
     recordings, replay = joint.recordings, joint.linear.replay
     try:
-        beside = replay.predict(together(others, recordings))
-        simulated = replay.predict(together([*others, change], recordings)) - beside
-        about = replay.predict(together([*others, *same], recordings)) - beside if same else np.zeros_like(beside)
+        beside = replay.predict(all_acting(others, recordings))
+        simulated = replay.predict(all_acting([*others, change], recordings)) - beside
+        about = replay.predict(all_acting([*others, *same], recordings)) - beside if same else np.zeros_like(beside)
     except NOT_SIMULATED:
         return np.nan, np.nan
     candidate = possible.entry.what
@@ -151,7 +151,7 @@ class _Fit:
 
     def _shown(self, x: Array) -> Array:
         change = replace(self._change, sizes=x * self._unit)
-        return self._replay.predict(together([*self._background.joint.large, change], self._recordings))
+        return self._replay.predict(all_acting([*self._background.joint.large, change], self._recordings))
 
     def _at(self, x: Array) -> _State:
         known, shown = self._background, self._shown(x)

@@ -67,7 +67,7 @@ def bounds_of(cause: Cause, compiled: CompiledRobot) -> tuple[Array, Array]:
     return low - np.array([there.get(size.name, 0.0) for size in cause.sizes]), high
 
 
-def together(large: Sequence[LargeChange], recordings: Sequence[Recording]) -> World:
+def all_acting(large: Sequence[LargeChange], recordings: Sequence[Recording]) -> World:
     """Return a world in which several changes act in joined recordings."""
     return World(acting=tuple(one for change in large for one in change.world(recordings).acting))
 
@@ -95,7 +95,7 @@ def beyond_proportion(
     if not large:
         return np.zeros(replay.shape)
     names = np.repeat([segment.recording for segment in replay.segments], [len(one) for one in replay.segments])
-    found = replay.predict(together(large, recordings)) - replay.predict(NOMINAL)
+    found = replay.predict(all_acting(large, recordings)) - replay.predict(NOMINAL)
     for change, own in zip(large, signatures, strict=True):
         for one, share in zip(recordings, change.profile.weights.tolist(), strict=True):
             rows = names == one.name

@@ -59,6 +59,11 @@ class Parameter:
     quotient: Quotient | None = None
 
     @property
+    def sigma(self) -> float:
+        """Standard deviation of its prior: of values spread evenly up to `high` either way; of a shape, twice that."""
+        return float((self.high - self.low if self.is_shape else self.high) / np.sqrt(3))
+
+    @property
     def typical(self) -> float:
         """A value in the middle of the plausible range, on a logarithmic scale."""
         if self.is_shape:

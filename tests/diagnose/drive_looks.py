@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.diagnose.plausibility.first_look import DriveLook, Factor
+from bench.diagnose.plausibility.drive_looks import DriveLook, Factor
 from bench.robot.compiled import CompiledRobot
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench.diagnose.plausibility.channels import doubts_of
-from bench.diagnose.plausibility.first_look import Factor, clock_of
+from bench.diagnose.plausibility.drive_looks import Factor, clock_of
 from bench.diagnose.plausibility.speeds import fastest
 from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot

@@ -7,7 +7,7 @@ import pytest
 
 from bench.diagnose.plausibility.between_runs import too_far_apart
 from bench.diagnose.plausibility.channels import doubts_of
-from bench.diagnose.plausibility.first_look import Factor
+from bench.diagnose.plausibility.drive_looks import Factor
 from bench.diagnose.plausibility.hints import _scaled, doubts_and_hints_of, hints_of
 from bench.record.campaign import Campaign
 from bench.robot.compiled import CompiledRobot

@@ -6,8 +6,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+from bench.diagnose.plausibility.drive_looks import resting_torque
 from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
-from bench.diagnose.plausibility.first_look import resting_torque
 from bench.diagnose.plausibility.late_channels import SURE, Late, _late, late_drives
 from bench.diagnose.plausibility.rates import rates_of
 from bench.diagnose.plausibility.repeated import BINS

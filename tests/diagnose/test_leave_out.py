@@ -159,3 +159,12 @@ def test_a_parameter_at_its_bound_stays_there_where_the_others_do_not_tell_it(rn
         log_probability_of_folds(linear, tangent_of(linear, without), folds),
         rtol=1e-9,
     )
+
+
+def test_a_changed_copy_of_a_tangent_begins_with_nothing_left_out(rng: np.random.Generator) -> None:
+    linear = design_with(noise(rng, 4), sensitivities(rng, 4), 4)
+    tangent, folds = tangent_of(linear, fit_of(linear)), folds_of(linear)
+    before = tangent.left_out(linear, folds)
+    changed = replace(tangent, white=2 * tangent.white)
+    assert np.all(changed.left_out(linear, folds).log_probability < before.log_probability)
+    assert tangent.left_out(linear, folds) is before

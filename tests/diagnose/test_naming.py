@@ -15,7 +15,7 @@ from bench.diagnose.linearise.candidates import Cause
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.diagnose.name import paying, selection
 from bench.diagnose.name.models import Model
-from bench.diagnose.name.naming import Naming, fitted_probabilities, posterior_of, with_probabilities
+from bench.diagnose.name.naming import Naming, fitted_probabilities, log_odds_of_subsets, with_probabilities
 from bench.diagnose.name.neighbourhood import Neighbourhood
 from bench.diagnose.name.search import Alternative, Subset
 from bench.effects.catalogue import catalogue
@@ -146,7 +146,7 @@ def test_what_has_a_finding_more_counts_for_the_finding() -> None:
     models = (fake(9.0, "gas"), fake(8.0, "gas", "friction"), fake(5.0, "heat"))
     found = [Alternative(model.keys, Subset((), 0.0), model.log_posterior - 1.0) for model in models]
     found.append(Alternative(frozenset(), Subset((), 0.0), 0.0))
-    gas, both, heat = (model.probability for model in with_probabilities(models, posterior_of(models, found)))
+    gas, both, heat = (model.probability for model in with_probabilities(models, log_odds_of_subsets(models, found)))
     total = sum(np.exp([9.0, 8.0, 5.0, 1.0]))  # the nominal one: 1 more than linearised, as the best is
     assert gas == pytest.approx((np.exp(9.0) + np.exp(8.0)) / total)
     assert both == 0.0
@@ -172,8 +172,8 @@ def test_what_promises_more_and_was_not_simulated_counts_for_no_more_than_is_sai
     models = (fake(9.0, "gas"),)
     every = ((models[0].keys, 9.0), (frozenset({"else"}), 30.0))
     found = [Alternative(keys, Subset((), 0.0), value) for keys, value in every]
-    assert posterior_of(models, found)[frozenset({"else"})] == 30.0
-    assert set(posterior_of(models, found, most=9.0).values()) == {9.0}
+    assert log_odds_of_subsets(models, found)[frozenset({"else"})] == 30.0
+    assert set(log_odds_of_subsets(models, found, most=9.0).values()) == {9.0}
 
 
 def test_a_cause_that_comes_to_nothing_takes_none_but_those_that_have_it_along() -> None:
@@ -184,7 +184,7 @@ def test_a_cause_that_comes_to_nothing_takes_none_but_those_that_have_it_along()
     )
     promised = {models[0].keys: 9.0, lost: 8.0, other: 7.0, both: 6.0}
     found = [Alternative(keys, Subset((), 0.0), value) for keys, value in promised.items()]
-    weighed = posterior_of(models, found, {lost: frozenset({"friction 3"})})
+    weighed = log_odds_of_subsets(models, found, {lost: frozenset({"friction 3"})})
     assert weighed == {models[0].keys: 9.0, lost: -np.inf, other: 7.0, both: -np.inf}
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.diagnose.diagnose import diagnose
-from bench.diagnose.replay.alike import together
+from bench.diagnose.replay.alike import groups_of_passages
 from bench.effects.catalogue import catalogue
 from bench.record.campaign import Campaign
 from bench.record.joined import joined
@@ -38,5 +38,5 @@ def test_passages_that_meet_are_together_and_others_are_not() -> None:
     aside = np.column_stack([way, np.full(30, 5.0)])
     there = np.column_stack([way, np.zeros(30)])
     short = there[:4] + np.array([0.0, 4.5])  # meets a few states of `aside`, which is no more than a part of that
-    assert together([there, there[::-1] + 0.3, aside]).tolist() == [0, 0, 1]
-    assert together([there, aside, short]).tolist() == [0, 1, 1], "the greater part of the short one"
+    assert groups_of_passages([there, there[::-1] + 0.3, aside]).tolist() == [0, 0, 1]
+    assert groups_of_passages([there, aside, short]).tolist() == [0, 1, 1], "the greater part of the short one"

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
 from bench.diagnose.cross_validation.folds import ALONE, folds_of
-from bench.diagnose.cross_validation.leave_out import Tangent, tangent_of
+from bench.diagnose.cross_validation.leave_out import Tangent, step_without, tangent_of
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
 from bench.record.campaign import Array
@@ -113,9 +113,8 @@ def _left_out(
             continue
         absent = mine | row_gap[:, f]
         share = min(absent.sum() / (mine.sum() * count), 1.0)  # folds count alike, for runs differ in what they tell
-        gone = jacobian[absent]
-        rest = cho_factor(precision - gone.T @ gone)
-        moves[f] = np.sqrt((1 - share) / share / count) * cho_solve(rest, gone.T @ tangent.white[absent])
+        step, rest = step_without(jacobian[absent], tangent.white[absent], precision)
+        moves[f] = np.sqrt((1 - share) / share / count) * step
         without = np.einsum("ij,ij->j", cho_solve(rest, unit), unit)
         is_alone |= own < (1 - ALONE) * without
     return moves, is_alone

@@ -169,7 +169,7 @@ def errors_of_folds(
         jacobian, white = tangent.jacobian[:, free], tangent.white - tangent.jacobian @ clamp
         precision = tangent.precision[np.ix_(free, free)]
         absent = ((row_fold == f) | row_gap[:, f] for f in range(len(folds)))
-        steps = np.stack([_step(jacobian[gone], white[gone], precision)[0] for gone in absent])
+        steps = np.stack([step_without(jacobian[gone], white[gone], precision)[0] for gone in absent])
     error = np.where(measured(linear), fit.residual, np.nan)
     for f in range(len(folds)):
         moved = clamp.copy()
@@ -199,7 +199,7 @@ def _left_out(linear: LinearisedModel, tangent: Tangent, folds: Folds) -> LeftOu
     for f in range(len(folds)):
         mine, gap = row_fold == f, row_gap[:, f]
         own, absent = jacobian[mine], mine | gap
-        steps[f], rest = _step(jacobian[absent] if gap.any() else own, tangent.white[absent], precision)
+        steps[f], rest = step_without(jacobian[absent] if gap.any() else own, tangent.white[absent], precision)
         beside = jacobian[gap & ~mine]
         given = cho_factor(precision - beside.T @ beside) if len(beside) else whole
         error = tangent.white[mine] - own @ steps[f]
@@ -211,7 +211,7 @@ def _left_out(linear: LinearisedModel, tangent: Tangent, folds: Folds) -> LeftOu
     return LeftOut(steps, found)
 
 
-def _step(gone: Array, white: Array, precision: Array) -> tuple[Array, tuple[Array, bool]]:
+def step_without(gone: Array, white: Array, precision: Array) -> tuple[Array, tuple[Array, bool]]:
     """Return the step of free parameters without some readings, shape (q,), and the factor of the precision that stays.
 
     Args:

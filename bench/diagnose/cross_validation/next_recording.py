@@ -16,7 +16,7 @@ from bench.diagnose.cross_validation.moderated import moderated
 from bench.diagnose.cross_validation.predicted_error import PredictedError
 from bench.diagnose.extend.fit import Fit
 from bench.diagnose.linearise.linearised_model import LinearisedModel
-from bench.diagnose.replay.alike import ALIKE, together
+from bench.diagnose.replay.alike import ALIKE, groups_of_passages
 from bench.diagnose.replay.instants import at_each_instant, recordings_of
 from bench.diagnose.replay.levels import mean_of_days
 from bench.diagnose.replay.quantities import Quantity
@@ -206,7 +206,7 @@ def apart(linear: LinearisedModel, folds: Folds) -> Folds:
     if not np.any(moves):
         return folds
     places = q[:, moves] / spread[moves]
-    group = together([places[folds.of_instants == f] / ALIKE for f in range(len(folds))])
+    group = groups_of_passages([places[folds.of_instants == f] / ALIKE for f in range(len(folds))])
     count = int(np.max(group)) + 1
     if count < 2:  # all of it is one place: then blocks of time are what there is
         return folds

@@ -52,8 +52,7 @@ class Unknown:
     @property
     def sigma(self) -> float:
         """Standard deviation of its prior."""
-        p = self.parameter
-        return float((p.high - p.low if p.is_shape else p.high) / np.sqrt(3))
+        return self.parameter.sigma
 
     @property
     def bounds(self) -> tuple[float, float]:

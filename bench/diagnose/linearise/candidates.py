@@ -200,7 +200,7 @@ def candidates_of(
         if not kept:
             continue
         step = np.array([cause.typical(size) - size.null for size, _ in kept])
-        prior = np.array([size.high for size, _ in kept]) / np.sqrt(3) / np.abs(step)
+        prior = np.array([size.sigma for size, _ in kept]) / np.abs(step)
         columns = np.array([column for _, column in kept])
         visible = norms[columns] * prior > INVISIBLE
         if np.any(visible):

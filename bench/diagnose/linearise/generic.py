@@ -34,16 +34,16 @@ LOAD_NODES = 7  # effort: of one over the load
 # What is not listed is taken to be as large as what is listed at such a place; other widths are tried, too (`WIDTHS`).
 
 # derived: plausible size of an unlisted torque, of the largest that the motor pays: a listed offset of a torque
-TORQUE_SHARE = TorqueOffset.parameters[0].high / HEAVY_TORQUE / 3**0.5
+TORQUE_SHARE = TorqueOffset.parameters[0].sigma / HEAVY_TORQUE
 # derived: plausible size of an unlisted error of a reading, of the largest reading: a listed error of a torque constant
-READING_SHARE = TorqueConstant.parameters[0].high / 3**0.5
+READING_SHARE = TorqueConstant.parameters[0].sigma
 # derived: [rad], plausible size of an unlisted error of a gear: a listed transmission error
-GEAR_ANGLE = TransmissionError.parameters[0].high / 3**0.5
+GEAR_ANGLE = TransmissionError.parameters[0].sigma
 # derived: plausible size of an unlisted compliance of a gear, of the stated one: a listed change of it
-COMPLIANCE = JointCompliance.parameters[0].high / 3**0.5
+COMPLIANCE = JointCompliance.parameters[0].sigma
 # derived: [m], plausible size of an unlisted error of the tracker over its room, in an hour, under force: a listed
 # shift of its frame
-TRACKER_ERROR = TrackerFrame.parameters[0].high / 3**0.5
+TRACKER_ERROR = TrackerFrame.parameters[0].sigma
 LEAST_FORCE = 1.0  # rounding: [N]; below, nothing pulls at the load point
 LEAST_LOAD = 1.0  # rounding: [Nm] or [N]; a joint whose load changes by less shows no dependence on it
 

@@ -59,7 +59,7 @@ class StoredSignatures:
             f"{plan.compiled.robot.name}, {self._shape[0]} instants of {self._shape[1]} channels, "
             f"{segments[0].run} to {segments[-1].run}"
         )
-        self._groups = groups_of(plan, self._session)
+        self._groups = stored_groups(plan, self._session)
 
     def read(self) -> Iterator[tuple[int, NDArray[np.floating]]]:
         """Yield what is known: column, and change of the readings, shape (T, c), nan where there is no balance."""
@@ -83,7 +83,7 @@ class StoredSignatures:
                 self._store.put(group.key, {COLUMNS: columns}, self._label)
 
 
-def groups_of(plan: Plan, session: Session) -> tuple[Group, ...]:
+def stored_groups(plan: Plan, session: Session) -> tuple[Group, ...]:
     """Return the entries of a campaign."""
     nuisances = plan.nuisances
     try:

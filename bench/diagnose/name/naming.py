@@ -97,7 +97,7 @@ class Naming:
         return tuple(m for i, m in enumerate(near) if not any(better.keys < m.keys for better in near[:i]))
 
 
-def posterior_of(
+def log_odds_of_subsets(
     models: Sequence[Model],
     found: Sequence[Alternative],
     fell: Mapping[frozenset[Hashable], frozenset[Hashable]] = NOTHING,
@@ -135,7 +135,7 @@ def with_probabilities(models: Sequence[Model], every: Mapping[frozenset[Hashabl
 
     Args:
         models: Simulated, the most probable first.
-        every: Logarithm of the posterior odds of every subset, from `posterior_of`.
+        every: Logarithm of the posterior odds of every subset, from `log_odds_of_subsets`.
     """
     mass = shares_of(every)
     return tuple(replace(model, probability=mass.get(model.keys, 0.0)) for model in models)

@@ -25,7 +25,7 @@ from bench.diagnose.name.groups import IN_SET, AmbiguityGroup, groups_of
 from bench.diagnose.name.instead_of_play import is_needed_in_motion
 from bench.diagnose.name.leaders import proposed, scattering, with_other_names
 from bench.diagnose.name.models import Fitter, Model, likeliest, reweighed, without_shape
-from bench.diagnose.name.naming import Finding, Kind, Naming, posterior_of, with_probabilities
+from bench.diagnose.name.naming import Finding, Kind, Naming, log_odds_of_subsets, with_probabilities
 from bench.diagnose.name.neighbourhood import Needs, Neighbourhood
 from bench.diagnose.name.paying import fit_without_shape, held_findings, shape_pays, with_jackknife_errors
 from bench.diagnose.name.refusals import Refusals
@@ -250,7 +250,7 @@ class _Selection:
         self.plays_behind |= {there for there, play in plays.items() if play.keys not in near}
         found = [one for one in alternatives_of(about.model, subsets.values()) if not one.keys & self.refusals.shapes]
         most_unseen = inf if adds else models[0].log_posterior
-        self.posterior = posterior_of(models, found, fitter.fell_short(self.best), most_unseen)
+        self.posterior = log_odds_of_subsets(models, found, fitter.fell_short(self.best), most_unseen)
         self.models = with_probabilities(models, self.posterior)
         self.best = self.models[0]
 

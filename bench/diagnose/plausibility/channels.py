@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.diagnose.plausibility.displaced import displaced
+from bench.diagnose.plausibility.drive_looks import LEVEL, Clock, clock_of
 from bench.diagnose.plausibility.drive_picture import LEAST, DrivePicture
-from bench.diagnose.plausibility.first_look import LEVEL, Clock, clock_of
 from bench.diagnose.plausibility.follows_loads import not_with_the_loads
 from bench.diagnose.plausibility.known_pressure import known_pressures
 from bench.diagnose.plausibility.loads import mistaken_at_rest

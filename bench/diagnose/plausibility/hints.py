@@ -9,7 +9,7 @@ from bench.diagnose.plausibility.between_runs import too_far_apart
 from bench.diagnose.plausibility.channels import doubts_of
 from bench.diagnose.plausibility.cold_gears import cold_gears
 from bench.diagnose.plausibility.copied_repeats import copied_repeats
-from bench.diagnose.plausibility.first_look import DriveLook, Factor
+from bench.diagnose.plausibility.drive_looks import DriveLook, Factor
 from bench.diagnose.plausibility.known_temperature import known_temperatures
 from bench.diagnose.plausibility.late_channels import SURE, Late, late_drives, late_gauges, late_reflectors
 from bench.diagnose.plausibility.loads import unlike_weights, weights_that_drives_doubt
@@ -35,7 +35,7 @@ from bench.robot.compiled import CompiledRobot
 from bench.store.store import Store
 
 # derived: beyond it a channel's scale is likelier than a torque constant: of an even distribution as wide as its range
-SCALED = SURE * TorqueConstant.parameters[0].high / 3**0.5
+SCALED = SURE * TorqueConstant.parameters[0].sigma
 
 
 def doubts_and_hints_of(

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from bench.diagnose.plausibility.drive_looks import LEVEL, TOLD, Factor, inflation
 from bench.diagnose.plausibility.drive_picture import LEAST, DrivePicture, payload_products
-from bench.diagnose.plausibility.first_look import LEVEL, TOLD, Factor, inflation
 from bench.diagnose.plausibility.physical_fit import HALF
 from bench.diagnose.plausibility.rates import rates_of
 from bench.diagnose.replay.instants import at_each_instant

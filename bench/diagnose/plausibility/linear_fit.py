@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_solve, solve_triangular
 
-from bench.diagnose.plausibility.first_look import TOLD
+from bench.diagnose.plausibility.drive_looks import TOLD
 from bench.record.campaign import Array
 
 FREE = 1e-9  # rounding: precision of a column without a prior, whitened and as long as one

@@ -84,7 +84,7 @@ def listed_causes(replay: Replay, recorded: Recorded, store: Store | None = None
     for i, (effect, place, _) in enumerate(wrong, count):
         if balances[i]:
             loads[LOADS[type(effect)]][place.runs[0]] = changes[:, :, i]
-    deviations = np.array([1.0] * len(nuisances) + [_deviation(size) for *_, size in effects])
+    deviations = np.array([1.0] * len(nuisances) + [size.sigma for *_, size in effects])
     shown = changes[:, :, :count] * deviations
     shown = shown[:, :, balances[:count] & np.any(shown, axis=(0, 1))]
     return ListedCauses(np.where(seen, observed - nominal, np.nan), nominal, shown, zeros, loads)
@@ -112,8 +112,3 @@ def _sizes(replay: Replay, recorded: Recorded) -> Iterator[tuple[Effect, Place, 
 
 def _acting(effect: Effect, place: Place, size: Parameter) -> Acting:
     return Acting(effect, place, effect.complete({size.name: size.typical}))
-
-
-def _deviation(size: Parameter) -> float:
-    """Return the standard deviation of a size as plausible: of an even distribution as wide."""
-    return size.high / float(np.sqrt(3))

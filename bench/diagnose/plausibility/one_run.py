@@ -1,6 +1,6 @@
 """One run among others: drives' gains, zeros and a clock that are not there what they are in all other runs.
 
-What every channel of a drive is made of (`first_look.py`) is fitted to all runs but one, and predicts that one. Errors
+What every channel of a drive is made of (`drive_looks.py`) is fitted to all runs but one, and predicts that one. Errors
 of the model are in all of them; where one run is predicted far worse than the model fits any other, and one number
 explains why, it is told:
 
@@ -21,8 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.diagnose.plausibility.drive_looks import inflation
 from bench.diagnose.plausibility.drive_picture import DrivePicture
-from bench.diagnose.plausibility.first_look import inflation
 from bench.diagnose.plausibility.late_channels import SURE
 from bench.diagnose.plausibility.physical_fit import HALF
 from bench.diagnose.replay.instants import run_of_each

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
 
+from bench.diagnose.plausibility.drive_looks import DriveLook, drive_looks, resting_torque
 from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
-from bench.diagnose.plausibility.first_look import DriveLook, first_look, resting_torque
 from bench.diagnose.plausibility.some_channels import with_channels
 from bench.diagnose.replay.quantities import Quantity, quantities_of
 from bench.diagnose.replay.replay import Replay
@@ -89,7 +89,7 @@ class Repeated:
     @cached_property
     def looks(self) -> tuple[DriveLook, ...]:
         """A first look at each drive that moves enough."""
-        return first_look(self.picture, self.at_rest)
+        return drive_looks(self.picture, self.at_rest)
 
     def replay(self, segments: tuple[Segment, ...], quantities: tuple[Quantity, ...]) -> Replay:
         """Return a replay of any segments by the same robot."""

@@ -8,8 +8,8 @@ slow shows none either way.
 from collections.abc import Iterator
 from dataclasses import replace
 
+from bench.diagnose.plausibility.drive_looks import Clock, clock_of, drive_looks, resting_torque
 from bench.diagnose.plausibility.drive_picture import drive_picture
-from bench.diagnose.plausibility.first_look import Clock, clock_of, first_look, resting_torque
 from bench.diagnose.plausibility.repeated import BINS, Repeated
 from bench.diagnose.plausibility.speeds import fastest
 from bench.diagnose.replay.segments import segments_of
@@ -36,7 +36,7 @@ def slow_clock(repeated: Repeated, level: float) -> Clock | None:
     try:
         segments = segments_of(faster, compiled, drives, BINS)
         replay = repeated.replay(segments, drives)
-        found = clock_of(first_look(drive_picture(replay), resting_torque(replay)), compiled, level)
+        found = clock_of(drive_looks(drive_picture(replay), resting_torque(replay)), compiled, level)
     except ConvergenceError:
         return None
     if found is None or found.low < factor:

@@ -33,7 +33,7 @@ def passes_same(one: Array, other: Array | cKDTree) -> bool:
     return bool(np.mean(np.isfinite(distance)) > GREATER_PART)
 
 
-def together(passages: Sequence[Array]) -> NDArray[np.int64]:
+def groups_of_passages(passages: Sequence[Array]) -> NDArray[np.int64]:
     """Return the group of each of P passages, shape (P,): those that pass the same states are in one.
 
     Args:
@@ -58,7 +58,7 @@ def runs_together(segments: tuple[Segment, ...]) -> dict[str, int]:
     every, states = states_of(segments), dict[str, list[Array]]()
     for segment, rows in zip(segments, instants_of(segments), strict=True):
         states.setdefault(segment.run, []).append(every[rows])
-    groups = together([np.concatenate(parts) for parts in states.values()])
+    groups = groups_of_passages([np.concatenate(parts) for parts in states.values()])
     return dict(zip(states, groups.tolist(), strict=True))
 
 

@@ -40,7 +40,7 @@ THERMOMETER_K = 2.0
 THERMOMETER = "thermometer of the gas"
 # derived: [rad] or [m], how well secondary encoders are zeroed where the figures do not say: as the catalogue expects
 # of motor encoders
-UNKNOWN_ZERO = JointZero.parameters[0].high / 3**0.5
+UNKNOWN_ZERO = JointZero.parameters[0].sigma
 
 MOTOR_ZERO = "zero of the motor encoder of "
 PULLED = "loads pulled aside"

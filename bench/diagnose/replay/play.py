@@ -16,7 +16,7 @@ from bench.simulate.trace import Trace
 
 # derived: of its stated Coulomb level, below which a level may be in 95 % of what the catalogue expects of it: a link
 # with less load than that is not surely at a flank
-LOOSE = 1 + 1.645 * CoulombLevel.parameters[0].high / 3**0.5
+LOOSE = 1 + 1.645 * CoulombLevel.parameters[0].sigma
 UNLOADED = 1e-3  # rounding: of the largest load on a link; less than that is none
 
 

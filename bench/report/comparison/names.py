@@ -31,7 +31,7 @@ def title_of(effect_title: str, place: str) -> str:
     return effect_title.replace(place, channel_name(place).replace("_", " "))
 
 
-def together(names: Sequence[PossibleName | Change]) -> list[str]:
+def names_together(names: Sequence[PossibleName | Change]) -> list[str]:
     """Return the names of causes that act together; the same one at several places is named once."""
     places: dict[str, list[PossibleName | Change]] = {}
     for name in names:
@@ -46,7 +46,7 @@ def together(names: Sequence[PossibleName | Change]) -> list[str]:
 
 def explanation_name(explanation: Explanation) -> str:
     """Return what changed together; the same at several places is named once."""
-    return " with ".join(together(explanation.changes))
+    return " with ".join(names_together(explanation.changes))
 
 
 @dataclass(frozen=True)

@@ -18,10 +18,10 @@ from bench.report.comparison.names import (
     explanation_name,
     interval_text,
     limit_words,
+    names_together,
     names_told,
     size_text,
     title_of,
-    together,
     unlisted_words,
 )
 from bench.report.diagnosis.headline import MOST, UNDECIDED
@@ -124,7 +124,7 @@ def _findings(comparison: Comparison, room: int) -> str:
     each = f" (each {least}{more})" if len(first) > 1 else f" ({least})"
     others = [one for one in comparison.findings if one not in sure]
     beside = OTHERS if others else ""
-    names = fitting(together(first), "and", room - len(each + beside)) or f"{len(first)} changes"
+    names = fitting(names_together(first), "and", room - len(each + beside)) or f"{len(first)} changes"
     if not others:
         return names + each
     undecided = _undecided(others, room - len(names + each) - 2, is_open=comparison.has_other_explanations)

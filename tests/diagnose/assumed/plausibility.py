@@ -10,7 +10,7 @@ from bench.diagnose.experiment_design.preposterior import Expectation, narrowing
 from bench.diagnose.experiment_design.propose import LEAST_NARROWING
 from bench.diagnose.plausibility.channels import _of_drive
 from bench.diagnose.plausibility.displaced import _away, _most, _pressure, _reflector, _stopped
-from bench.diagnose.plausibility.first_look import first_look
+from bench.diagnose.plausibility.drive_looks import drive_looks
 from bench.diagnose.plausibility.mistaken import mistakes_in
 from bench.diagnose.plausibility.reported_torques import unlike_currents
 from bench.diagnose.plausibility.single_rows import BEYOND
@@ -60,7 +60,7 @@ def what_leaves_a_fourteenth_is_the_right_reading_and_what_leaves_a_sixth_is_not
     assert not is_called_exchanged(0.4, left=1 / 6)
 
 
-@needs("plausibility.first_look.TOLD")
+@needs("plausibility.drive_looks.TOLD")
 def a_part_as_small_as_errors_of_masses_tells_no_gain() -> None:
     # The model misses 1.4 % of what motion needs: of gravity as small that would make a factor of two.
 
@@ -68,7 +68,7 @@ def a_part_as_small_as_errors_of_masses_tells_no_gain() -> None:
         observed = 1.014 * SECOND
         gravity = part * (SECOND + FOURTH) / 2**0.5
         both = np.stack([observed + gravity, SECOND], axis=1)
-        looks = first_look(
+        looks = drive_looks(
             picture_of(both, np.stack([SECOND + gravity, SECOND], axis=1), MOVES), gravity[:, None] * [1, 0]
         )
         return bool(np.isfinite(looks[0].gravity.value))

@@ -68,7 +68,7 @@ class DriveLook:
     fits: bool
 
 
-def first_look(picture: DrivePicture, at_rest: Array) -> tuple[DriveLook, ...]:
+def drive_looks(picture: DrivePicture, at_rest: Array) -> tuple[DriveLook, ...]:
     """Return a look at each drive that moves enough.
 
     Args:

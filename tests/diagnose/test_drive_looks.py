@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from bench.diagnose.plausibility.channels import doubts_of
+from bench.diagnose.plausibility.drive_looks import drive_looks
 from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_picture
-from bench.diagnose.plausibility.first_look import first_look
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
 from bench.diagnose.replay.segments import segments_of
@@ -35,7 +35,7 @@ def test_gravity_and_motion_have_factors_of_their_own(rng: np.random.Generator) 
         np.zeros((400, 2, 0)),
         ("current_1_a", ""),
     )
-    (look,) = first_look(picture, gravity)
+    (look,) = drive_looks(picture, gravity)
     assert look.fits
     assert abs(look.gravity.value - 2) < 5 * look.gravity.sigma < 0.01
     assert abs(look.motion.value - 2.4) < 5 * look.motion.sigma < 0.01
