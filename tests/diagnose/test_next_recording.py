@@ -44,6 +44,16 @@ def test_predicted_error_covers_one_more_run() -> None:
     assert 31 <= covered <= 40  # binomial of 40 at 90 %, three standard deviations down
 
 
+@pytest.mark.parametrize(("times", "is_promised"), [(1.2, True), (3.0, False)])
+def test_two_runs_that_differ_promise_nothing(times: float, is_promised: bool, rng: np.random.Generator) -> None:
+    """Of half a recording of EMPS "0.00004 to 156172 N" was promised."""
+    sizes = np.repeat([1.0, times], LENGTH)
+    linear = design_with(sizes * noise(rng, 2), sensitivities(rng, 2, p=1), 2)
+    (found,) = predicted_error(linear, fit_of(linear))
+    assert np.isfinite([found.low, found.high, found.fitted_low, found.fitted_high]).all() == is_promised
+    assert found.rms > 0
+
+
 def drifting(linear: LinearisedModel, recordings: Sequence[str]) -> LinearisedModel:
     """Return a campaign whose runs are recordings and whose only nuisance drifts: a column for each that it has."""
     (whole,) = {nuisance.sigma for nuisance in linear.nuisances}

@@ -25,6 +25,9 @@ from bench.record.campaign import Array
 from bench.record.moving import TRAVELS
 
 DRAWS = 4000  # effort: of recordings to come: ends of an interval are right to a few percent of its width
+# declared: times; ends of an interval that are farther apart promise nothing. Of one channel in two blocks, the one
+# missed three times as much as the other, they are 500 000 times apart: two numbers do not tell how far others scatter.
+WIDEST = 1e3
 # rounding: of a root mean square that is drawn, so that its square is a number: far beyond the quantiles
 MOST_LOG = 300.0
 
@@ -238,7 +241,7 @@ def _near(places: Array, fold: NDArray[np.int64], count: int) -> NDArray[np.bool
 
 
 def _one_more(rms: Array, drifting: Array, spread: float, degrees: float) -> tuple[float, float]:
-    """Return the 90 % prediction interval of one more root mean square; nan where nothing says how far runs differ.
+    """Return the 90 % prediction interval of one more root mean square; nan where little says how far runs differ.
 
     It may be recorded at once, when nothing has drifted yet, or on another day. So the low end is that of the one, the
     high end that of the other, and the interval holds in both cases with 90 % at least.
@@ -254,6 +257,8 @@ def _one_more(rms: Array, drifting: Array, spread: float, degrees: float) -> tup
     logs = np.log(rms)
     sigma = spread * np.sqrt(1 + 1 / len(rms))
     half = float(stdtrit(degrees, HIGH)) * sigma
+    if 2 * half > np.log(WIDEST):
+        return np.nan, np.nan
     low, high = float(np.exp(logs.mean() - half)), float(np.exp(logs.mean() + half))
     if not np.any(drifting):
         return low, high

@@ -14,8 +14,8 @@ class PredictedError:
         kind: Of recording.
         runs: Runs it rests on.
         rms: Plain root mean square over the held-out readings of all these runs.
-        low, high: 90 % prediction interval of the root mean square of one more recording, set up anew; nan if there are
-            less than two runs.
+        low, high: 90 % prediction interval of the root mean square of one more recording, set up anew; nan where
+            runs are too few to tell how far they differ.
         fitted_low, fitted_high: The same of a recording to which what is set up anew is fitted; nan as well.
     """
 

@@ -39,7 +39,7 @@ def headline(prediction: Prediction) -> str:
     if not answers:
         return (
             "This model promises nothing of a recording: it comes from no diagnosis, or from one that ended before it "
-            "was done, or whose runs were too short to hold parts of them out. Its errors stand below."
+            "was done, or whose runs were too short or too few to tell how far others differ. Its errors stand below."
         )
     kept, less, count = answers.count("kept"), answers.count("less"), len(answers)
     more = _broken(prediction)
