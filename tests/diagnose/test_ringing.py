@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bench.diagnose.linearise.other_noise import roughened, with_ringing
 from bench.diagnose.replay.motion_segments import fading, kept_up, lowest_period, settling_periods, stretches_of
 from bench.diagnose.replay.segment_input import SegmentInput
 from bench.record.campaign import Array, Run
@@ -72,3 +73,18 @@ def test_what_rings_does_not_lean_the_floor() -> None:
     fit = fitted_alone(linearised(days), days, "floor_tilt", "robot")
     print(f"floor_tilt: {1e3 * fit.values} mrad, +- {1e3 * fit.sigma} mrad with the noise of a campaign")
     assert np.all(np.abs(fit.values) < 2 * fit.sigma)
+
+
+def test_what_a_better_model_explains_after_a_jerk_is_no_noise_any_more(rng: np.random.Generator) -> None:
+    """What was rough about the nominal model, as a force that is late, hid what else acts for good."""
+    linear = linearised(made(SWEEP, seed=3))
+    rings = [segment.rings for segment in linear.segments]
+    assert any(np.any(rows) and not np.all(rows) for rows in rings)
+    sigma = np.concatenate([segment.sigma for segment in linear.segments])
+    poor = 30 * np.nan_to_num(sigma) * rng.standard_normal(sigma.shape)
+    noisy = roughened(linear, poor, rings)
+    assert sum(np.sum(new.sigma > old.sigma) for new, old in zip(noisy.weighed, linear.weighed, strict=True)) > 0
+    better = with_ringing(noisy, np.zeros_like(poor))
+    for now, stated in zip(better.weighed, linear.segments, strict=True):
+        np.testing.assert_array_equal(now.sigma[now.rings], stated.sigma[now.rings])
+    assert with_ringing(better, poor) is better, "no reading is less sure for a model that misses more"

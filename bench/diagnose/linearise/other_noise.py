@@ -86,6 +86,28 @@ def roughened(
     return _reassembled(linear, segments, linear.scatter)
 
 
+def with_ringing(linear: LinearisedModel, left: Array) -> LinearisedModel:
+    """Return the design in which no more is noise soon after a jerk than what is rough in a residual.
+
+    What rings is not simulated; what a model misses otherwise is rough there too. So this is asked again about a better
+    one; no reading is less sure for that.
+
+    Args:
+        linear: The campaign.
+        left: Shape (T, c), residual of a model.
+    """
+    segments = list(linear.weighed)
+    for i, (segment, stated, part) in enumerate(zip(segments, linear.segments, linear.split(left), strict=True)):
+        if not segment.is_static and np.any(segment.rings):
+            rough = with_roughness(part, stated.sigma) * linear.inflation[1]
+            sigma = np.where(segment.rings[:, None], np.fmin(segment.sigma, rough), segment.sigma)
+            if not np.array_equal(sigma, segment.sigma, equal_nan=True):
+                segments[i] = replace(segment, sigma=sigma)
+    if all(new is old for new, old in zip(segments, linear.weighed, strict=True)):
+        return linear
+    return _reassembled(linear, tuple(segments), linear.scatter)
+
+
 def with_friction_of(linear: LinearisedModel, world: World, play: Array) -> LinearisedModel:
     """Return the design with the friction and the play of a world: what it holds at rest, and how that scatters.
 

@@ -14,19 +14,27 @@ BY_CHANCE = 0.05  # declared: share of white noise that counts as rough
 
 
 def with_roughness(left: Array, sigma: Array) -> Array:
-    """Return the standard errors of one motion, raised to the roughness of its residuals, both shape (T, c)."""
+    """Return the standard errors of one motion, raised to the roughness of its residuals, both shape (T, c).
+
+    Where a channel is not compared, as where its drive turns round (nan), it has no neighbours: each stretch between
+    is looked at by itself.
+    """
     raised = sigma.copy()
+    for c in range(left.shape[1]):
+        edges = np.flatnonzero(np.diff(np.isfinite(left[:, c]), prepend=False, append=False))
+        for start, end in edges.reshape(-1, 2):
+            raised[start:end, c] = _raised(left[start:end, c], sigma[start:end, c])
+    return raised
+
+
+def _raised(left: Array, sigma: Array) -> Array:
+    """Return the standard errors of readings that follow one another, raised to the roughness of their residuals."""
     window = min(WINDOW, len(left) - 2)
     if window < 1:
-        return raised
-    most = most_by_chance(window)
-    for c in range(left.shape[1]):
-        if not np.all(np.isfinite(left[:, c])):
-            continue
-        second = np.pad(np.diff(left[:, c], 2) ** 2 / 6, 1, mode="edge")  # of white noise: its variance
-        local = np.maximum(uniform_filter1d(second, window, mode="nearest"), 0.0)  # its running sum may round below
-        raised[:, c] = np.where(local > most * sigma[:, c] ** 2, np.sqrt(local), sigma[:, c])
-    return raised
+        return sigma
+    second = np.pad(np.diff(left, 2) ** 2 / 6, 1, mode="edge")  # of white noise: its variance
+    local = np.maximum(uniform_filter1d(second, window, mode="nearest"), 0.0)  # its running sum may round below
+    return np.where(local > most_by_chance(window) * sigma**2, np.sqrt(local), sigma)
 
 
 @lru_cache

@@ -13,7 +13,7 @@ from bench.diagnose.linearise.generic import Block, blocks_of
 from bench.diagnose.linearise.lack_of_fit import are_settled, factors_of, left_by_nuisances, unexplained
 from bench.diagnose.linearise.linearised_model import LinearisedModel, relinearised
 from bench.diagnose.linearise.marginal import Nuisances
-from bench.diagnose.linearise.other_noise import raised, with_friction_of, with_places, with_repeats
+from bench.diagnose.linearise.other_noise import raised, with_friction_of, with_places, with_repeats, with_ringing
 from bench.diagnose.linearise.repeated_rests import SHARES, repeating_share, repeating_visits
 from bench.diagnose.linearise.screening import Screening, Tried, ranked, screen, tried_of
 from bench.diagnose.linearise.signatures import Sensitivities, Signatures
@@ -102,7 +102,8 @@ class Neighbourhood:
         fit, count = model.fit, len(linear.nuisances)
         nominal = model.linear(linear)
         world = fit.world(nominal)
-        own, before = with_places(with_friction_of(nominal, world, fit.play), fit.residual), self._changes
+        own, before = with_ringing(with_friction_of(nominal, world, fit.play), fit.residual), self._changes
+        own = with_places(own, fit.residual)
         causes = self._causes_of(own.replay.robot(world))
         taken = {cause.key for cause in fit.causes}
         if not {cause.key for cause in causes} <= {cause.key for cause in self._causes} | taken:
