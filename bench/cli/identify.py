@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-DYNAMICS = "dynamics.json"
+from bench.report.dynamics.file_names import DYNAMICS
 
 
 @dataclass(frozen=True)

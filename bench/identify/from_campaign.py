@@ -46,7 +46,10 @@ def static_readings(campaign: Campaign, figures: Figures) -> StaticReadings:
     """
     visits = [visit for run in campaign.of_kind("static") for visit in _visits(run, figures)]
     if not visits:
-        raise InputError("the campaign has no static run; stiffness needs readings at rest with and without load.")
+        raise InputError(
+            "the campaign has no static run; stiffness needs readings at rest with and without load "
+            "(of motion, --method dynamics tells friction, masses and payload)."
+        )
     states = [state for visit in visits for state in visit]
     wrench = np.stack([state.wrench for state in states])
     load = np.stack([state.load for state in states])

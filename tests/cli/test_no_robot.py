@@ -9,6 +9,7 @@ import pytest
 from bench.cli import main
 from bench.record.write import write_campaign
 from bench.report.diagnosis.file_names import VERDICT
+from bench.report.dynamics.file_names import DYNAMICS
 from bench.robot.folder import FIGURES_FILE, load_robot
 from tests.diagnose.sweeps import SWEEP, made
 
@@ -40,6 +41,22 @@ def test_a_diagnosis_that_handed_none_over(
     assert main([names.get(word, word) for word in words]) == 4
     assert f"{found}: this diagnosis handed no robot over" in capsys.readouterr().err
     assert not out.exists()
+
+
+@pytest.mark.parametrize("words", [["predict", "OF", "MAY"], ["apply", "OF", "-o", "OUT"]], ids=lambda words: words[0])
+def test_a_first_pass(campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str]) -> None:
+    """It was "unknown robot 'first-pass'. Known: emps, hh150, kr300"."""
+    found, out = tmp_path / "first-pass", tmp_path / "out"
+    found.mkdir()
+    (found / DYNAMICS).write_text("{}")
+    names = {"OF": str(found), "MAY": str(campaign), "OUT": str(out)}
+    assert main([names.get(word, word) for word in words]) == 4
+    assert f"{found}: a first pass hands no robot over; `bench diagnose" in capsys.readouterr().err
+
+
+def test_motion_alone_has_no_stiffness_and_says_what_it_has(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["identify", str(campaign)]) != 0
+    assert "--method dynamics" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

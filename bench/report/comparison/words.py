@@ -25,7 +25,7 @@ from bench.report.comparison.names import (
     unlisted_words,
 )
 from bench.report.diagnosis.headline import MOST, UNDECIDED
-from bench.report.diagnosis.names import capital, channel_name, fitting, in_short, listed
+from bench.report.diagnosis.names import capital, channel_name, fitting, in_short, listed, without_range
 from bench.report.diagnosis.names import title_of as named_as
 from bench.report.diagnosis.numbers import percent
 
@@ -75,8 +75,8 @@ def left_before_sentence(comparison: Comparison) -> str:
         "state in the folder of the robot what it lacks (a spring, a load, friction)"
     )
     return (
-        f"The robot as it was leaves {worst.times:.2g} times as much of {channel_name(worst.column)} in {before} as a "
-        f"right model would{more}, so names of what changed may be wrong: {remedy}."
+        f"The robot as it was leaves {worst.times:.2g} times as much of {channel_name(worst.column)} in {before} as "
+        f"the noise of the instruments explains{more}, so names of what changed may be wrong: {remedy}."
     )
 
 
@@ -237,7 +237,7 @@ def limits_sentences(comparison: Comparison) -> Iterator[str]:
 def _change(change: Change, comparison: Comparison) -> Iterator[str]:
     course = course_words(change, comparison)
     for size in change.sizes:
-        yield f"  {size_text(size)}{f', {course}' if course else ''}   {size.words}".rstrip()
+        yield f"  {size_text(size)}{f', {course}' if course else ''}   {without_range(size.words)}".rstrip()
     if along := along_words(change):
         yield f"  {capital(along)}."
     if change.advice:

@@ -10,7 +10,8 @@ from bench.report.diagnosis.sentences import read_gains
 def left_sentence(verdict: Verdict) -> str:
     """Return what is left beside the causes that were found, for the headline; "" where that is nothing to speak of.
 
-    A channel is still missed where what the model leaves of it, held out, stands out of what a right model would.
+    A channel is still missed where what the model leaves of it, held out, stands out of the floor: what a right
+    model would leave, if the noise of instruments is as it is stated.
     """
     if not verdict.explanations:
         return ""
@@ -24,7 +25,7 @@ def left_sentence(verdict: Verdict) -> str:
         others = f", and {len(missed) - 1} more such channel{'s' * (len(missed) > 2)}" if len(missed) > 1 else ""
         parts.append(
             f"{channel_name(worst.channel)} errs by {size} {unit_name(worst.unit)}".rstrip()
-            + f", {_times(worst):.2g} times as much as with a right model{others}"
+            + f", {_times(worst):.2g} times what the noise of the instruments explains{others}"
         )
     return f"Left: {'; '.join(parts)}." if parts else ""
 

@@ -210,9 +210,13 @@ def parameter_text(parameter: ParameterValue) -> str:
 
 
 def meaning_of(parameter: ParameterValue) -> str:
-    """Return what a parameter is, without the range that the catalogue states for some other drive ("of 10 kNm")."""
-    parts = parameter.words.split("; ")
-    return "; ".join(part for part in parts if not part.startswith("range "))
+    """Return what a parameter is, in the words of the catalogue."""
+    return without_range(parameter.words)
+
+
+def without_range(words: str) -> str:
+    """Return words of the catalogue without the range that they state for some other drive ("of 10 kNm")."""
+    return "; ".join(part for part in words.split("; ") if not part.startswith("range "))
 
 
 def limit_of(limit: DetectionLimit) -> str:

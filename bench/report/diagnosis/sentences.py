@@ -22,7 +22,7 @@ DECISIVE = 4.6  # log Bayes factor of odds of 100
 REST = "the nominal model, and combinations of causes that were weighed but not simulated"
 WITHOUT_AND_WITH = "without it -> with it"
 FLOOR = (
-    "the error to be expected of a right model, by the stated noise and steps of the instruments, the scatter of "
+    "the error to be expected of a right model if instruments are as stated: by their noise and steps, the scatter of "
     "repeats, and an assumed spread of where friction and play come to rest; it is no bound: by chance, or with better "
     "instruments, less is left"
 )

@@ -181,7 +181,7 @@ def _finding(group: AmbiguityGroup) -> Iterator[str]:
             meaning = meaning_of(parameter)
             yield f"{'':13}{parameter_text(parameter)}" + (f"   {meaning}" if meaning else "")
         if not cause.parameters:
-            yield f"{'':13}no model with it was fitted before the diagnosis ended: its size is not known"
+            yield f"{'':13}no model with it was fitted: its size is not known"
         if cause.advice:
             yield f"{'':13}check: {cause.advice}"
     if group.may_be_unlisted:

@@ -18,6 +18,9 @@ LAWS = "SI; names and laws: bench.friction in bench/actuators/README.md"
 ROUND = 4  # digits that are shown; drives.csv has all
 # Of a friction element: the level is in the URDF, the second is how a simulation holds it, the third a name
 NOT_LISTED = ("coulomb", "presliding_stiffness", "element")
+# Shares of another one, which say nothing where that is none
+OF_LEVEL = ("asymmetry", "static_rise", "stribeck_velocity", "ripple", "ripple_period", "ripple_phase")
+SHARES = dict.fromkeys(OF_LEVEL, "coulomb") | {"rolling_asymmetry": "rolling"}
 
 
 def gaps_of(applied: Applied) -> Iterator[str]:
@@ -60,7 +63,10 @@ def _friction(applied: Applied) -> Iterator[str]:
     for drive in applied.compiled.robot.figures.drives:
         for side, name in (("motor", drive.motor_friction), ("link", drive.link_friction)):
             found = attributes_of(applied.spec, name)
-            laws = {key: text for key, text in found.items() if key not in NOT_LISTED and not _is_zero(text)}
+            listed = {key: text for key, text in found.items() if not _is_zero(text)}
+            laws = {
+                key: text for key, text in listed.items() if key not in NOT_LISTED and SHARES.get(key, key) in listed
+            }
             if laws:
                 words = ", ".join(f"{key.replace('_', ' ')} {float(text):.{ROUND}g}" for key, text in laws.items())
                 yield f"friction of {drive.joint}, {side} side, beyond its Coulomb level: {words} ({LAWS})"

@@ -112,6 +112,15 @@ def test_terminal_gives_every_explanation_with_its_size() -> None:
     assert "lost +1.24 % (90 % interval 1.12 to 1.36) (share)" in page_of(SET, "HH-150", "")
 
 
+def test_what_the_catalogue_states_as_a_range_for_others_is_not_told() -> None:
+    """A moment of a payload had "range for a largest mass of 1 kg, whose weight has the rated moment" behind it."""
+    sizes = tuple(replace(size, words=f"{size.words}; range for a largest mass of 1 kg") for size in GAS.sizes)
+    one = replace(ONE, explanations=(replace(ONE.explanations[0], changes=(replace(GAS, sizes=sizes),)),))
+    words = "\n".join(words_of(one))
+    assert "   share" in words
+    assert "range for" not in words
+
+
 def test_a_terminal_is_not_flooded_with_explanations() -> None:
     """Of a stranger's arm it gave 44 of them, in 2384 lines."""
     each = SET.explanations[0]

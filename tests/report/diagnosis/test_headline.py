@@ -80,8 +80,8 @@ def test_what_is_left_is_told_with_its_size() -> None:
     words = headline(replace(VERDICTS["cause"], unlisted=little, gain=(STEP_GAIN, far, replace(far, after=0.1))))
     assert words == (
         "Loss of gas: lost 0.133 (95 % interval 0.113 to 0.152). Left: something at joint 2 too small to have a shape "
-        "(at most 5.0 Nm); motor current 2 errs by 0.230 A, 3.1 times as much as with a right model, and 1 "
-        "more such channel."
+        "(at most 5.0 Nm); motor current 2 errs by 0.230 A, 3.1 times what the noise of the instruments explains, and "
+        "1 more such channel."
     )
 
 

@@ -111,11 +111,15 @@ def test_what_is_left_out_is_said(small_robot: Path, tmp_path: Path) -> None:
     assert "counterbalance on hinge_a" in said
     spec = read_spec(robot)
     configure(spec, "motor_friction_b", load_coefficient=0.03, element="element_b")
+    configure(spec, "link_friction_b", coulomb=0.0, asymmetry=0.1)
+    configure(spec, "link_friction_a", coulomb=1.0, asymmetry=0.2)
     spec.option.gravity = [0.0, 0.0, -9.8]
     spec.compile()
     (tmp_path / "b").mkdir()
     write_robot(robot, spec, robot.figures, tmp_path / "b", "")
     said = "\n".join(gaps_of(applied_robot(load_robot(tmp_path / "b"))))
     assert "friction of hinge_b, motor side, beyond its Coulomb level: load coefficient 0.03 (SI; " in said
+    assert "friction of hinge_a, link side, beyond its Coulomb level: asymmetry 0.2 (" in said
+    assert "friction of hinge_b, link side" not in said, "a share of no level says nothing"
     assert "gravity: (0, 0, -9.8) m/s^2" in said
     assert "passive" not in said

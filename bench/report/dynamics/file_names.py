@@ -1,0 +1,3 @@
+"""What a first pass writes into its folder."""
+
+DYNAMICS = "dynamics.json"
