@@ -34,7 +34,6 @@ from bench.report.diagnosis.pictures import Picture, over_name
 from bench.report.diagnosis.readings import Channel
 from bench.report.diagnosis.sentences import (
     FLOOR,
-    REST,
     confirmed_text,
     contradicted_sentences,
     gain_sentence,
@@ -44,6 +43,7 @@ from bench.report.diagnosis.sentences import (
     rate_sentence,
     remainder_sentence,
     rest_share,
+    rest_words,
     scatter_sentence,
     step_left,
     steps_sentence,
@@ -177,7 +177,7 @@ def page_of(
         unlisted_name=unlisted_name(verdict.unlisted) if verdict.unlisted and has_shape else "",
         remainder_words=remainder_sentence(verdict),
         rest=rest_share(verdict),
-        rest_words=REST,
+        rest_words=rest_words(verdict),
         undetectable_words=undetectable_sentence(verdict, [spot for spot in verdict.blind if spot.taken_by]),
         detectable=[limit for limit in verdict.detectable if limit.is_plausible],
         cause_title=_cause_title(verdict),

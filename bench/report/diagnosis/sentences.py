@@ -20,6 +20,9 @@ WORST = 3  # noisy channels that are named
 MOST_CHANNELS = 2  # of a step, in a line of the terminal
 DECISIVE = 4.6  # log Bayes factor of odds of 100
 REST = "the nominal model, and combinations of causes that were weighed but not simulated"
+REST_OF_SEVERAL = (
+    "other combinations of causes, the names of one finding with those of another, that were weighed but not simulated"
+)
 WITHOUT_AND_WITH = "without it -> with it"
 FLOOR = (
     "the error to be expected of a right model if instruments are as stated: by their noise and steps, the scatter of "
@@ -179,6 +182,11 @@ def rest_share(verdict: Verdict) -> float:
     fitted = [*verdict.explanations, *verdict.rivals]
     left = 1 - sum(one.fitted_probability for one in fitted)
     return left if verdict.explanations and not verdict.unlisted and left >= UNLIKELY else 0.0
+
+
+def rest_words(verdict: Verdict) -> str:
+    """Return what has the probability that no simulated explanation has."""
+    return REST if len(verdict.findings) == 1 else REST_OF_SEVERAL
 
 
 def rest_sentence(verdict: Verdict) -> str:

@@ -112,6 +112,14 @@ def test_evidence_of_millions_has_groups_and_no_tenths() -> None:
     assert "combinations of causes that were weighed but not simulated 40 %" in text
 
 
+def test_of_several_findings_the_rest_is_other_combinations_of_their_names() -> None:
+    """It said "the nominal model, and combinations ... 78 %" beside findings at 100 %."""
+    verdict = replace(VERDICTS["several"], explanations=(explanation((GAS,), 0.04, 80.8),), rivals=())
+    text = Page(html_of(verdict)).text
+    assert "Other combinations of causes, the names of one finding with those of another," in text
+    assert "The nominal model, and combinations" not in text
+
+
 def test_table_of_findings_says_which_are_not_confirmed() -> None:
     """With four findings and more, only the chapters below said so."""
     cause = VERDICTS["cause"]
