@@ -62,6 +62,8 @@ class Convert:
         from bench.robot.folder import load_robot
         from bench.robot.nominal_dynamics import nominal_dynamics
 
+        if log.is_dir():
+            raise InputError(f"{log}: is a folder; give one of its logs, they are read alike.")
         if self.out is not None:
             refuse_to_overwrite(self.out)
         robot = self.of or self.robot

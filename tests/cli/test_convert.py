@@ -32,3 +32,8 @@ def test_one_line_for_a_kind_of_fault(tmp_path: Path, capsys: pytest.CaptureFixt
     for line in (frozen, lost):
         assert "(likewise in runs/log1.csv, runs/log2.csv, runs/log3.csv" in line
     assert last.endswith(f"{FILES} runs, {FILES * ROWS} rows, {FILES} failed plausibility checks, {FILES} warnings")
+
+
+def test_a_folder_of_logs_is_looked_at_by_one_of_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["convert", "--look", str(tmp_path)]) == 2
+    assert f"{tmp_path}: is a folder; give one of its logs" in capsys.readouterr().err
