@@ -52,7 +52,7 @@ def test_a_cause_that_no_fitted_model_has_says_so() -> None:
     group = AmbiguityGroup((PossibleCause(named, 1.0),), 1.0)
     said = list(words_of(replace(VERDICTS["cause"], findings=(group,))))
     place = next(i for i, line in enumerate(said) if line.strip().startswith("100 %"))
-    assert said[place + 1].strip().startswith("no model with it was fitted before the diagnosis ended")
+    assert said[place + 1].strip().startswith("no model with it was fitted: its size is not known")
 
 
 def test_a_cause_comes_with_its_worth_and_what_to_do() -> None:
