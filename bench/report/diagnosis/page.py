@@ -32,6 +32,7 @@ from bench.report.diagnosis.names import (
 from bench.report.diagnosis.numbers import gain_percent, nats, percent, shown, unit_name
 from bench.report.diagnosis.pictures import Picture, over_name
 from bench.report.diagnosis.readings import Channel
+from bench.report.diagnosis.rest import rest_share, rest_words
 from bench.report.diagnosis.sentences import (
     FLOOR,
     confirmed_text,
@@ -42,8 +43,6 @@ from bench.report.diagnosis.sentences import (
     proposal_text,
     rate_sentence,
     remainder_sentence,
-    rest_share,
-    rest_words,
     scatter_sentence,
     step_left,
     steps_sentence,

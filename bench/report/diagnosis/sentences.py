@@ -8,7 +8,7 @@ import numpy as np
 from bench.diagnose.cross_validation.held_out import NOTICEABLE
 from bench.diagnose.experiment_design.propose import NONE
 from bench.diagnose.replay.quantities import LOADS
-from bench.diagnose.verdict import UNLIKELY, ChannelGain, Proposal, Step, UndetectableEffect, Verdict
+from bench.diagnose.verdict import ChannelGain, Proposal, Step, UndetectableEffect, Verdict
 from bench.report.diagnosis.names import cause_name, cause_names, channel_name, effect_at, listed, unlisted_name
 from bench.report.diagnosis.numbers import LEAST_WIDER, gain_percent, nats, percent, shown, unit_name
 
@@ -19,10 +19,6 @@ KNOWN = "known_"  # before the names of what the lab knows besides (`replay/quan
 WORST = 3  # noisy channels that are named
 MOST_CHANNELS = 2  # of a step, in a line of the terminal
 DECISIVE = 4.6  # log Bayes factor of odds of 100
-REST = "the nominal model, and combinations of causes that were weighed but not simulated"
-REST_OF_SEVERAL = (
-    "other combinations of causes, the names of one finding with those of another, that were weighed but not simulated"
-)
 WITHOUT_AND_WITH = "without it -> with it"
 FLOOR = (
     "the error to be expected of a right model if instruments are as stated: by their noise and steps, the scatter of "
@@ -175,24 +171,6 @@ def remainder_sentence(verdict: Verdict) -> str:
             "sizes above."
         )
     return " ".join(sentences)
-
-
-def rest_share(verdict: Verdict) -> float:
-    """Return the probability that the explanations that were fitted leave to all others, 0 where next to none."""
-    fitted = [*verdict.explanations, *verdict.rivals]
-    left = 1 - sum(one.fitted_probability for one in fitted)
-    return left if verdict.explanations and not verdict.unlisted and left >= UNLIKELY else 0.0
-
-
-def rest_words(verdict: Verdict) -> str:
-    """Return what has the probability that no simulated explanation has."""
-    return REST if len(verdict.findings) == 1 else REST_OF_SEVERAL
-
-
-def rest_sentence(verdict: Verdict) -> str:
-    """Return to what the probability belongs that a single finding leaves, "" where there are several or hardly any."""
-    left = rest_share(verdict)
-    return f"The remaining {percent(left)}: {REST}." if left and len(verdict.findings) == 1 else ""
 
 
 def undetectable_sentence(verdict: Verdict, but: Sequence[UndetectableEffect] = ()) -> str:

@@ -24,6 +24,7 @@ from bench.report.diagnosis.names import (
     remark_text,
 )
 from bench.report.diagnosis.numbers import percent
+from bench.report.diagnosis.rest import rest_sentence
 from bench.report.diagnosis.sentences import (
     FLOOR,
     confirmed_text,
@@ -38,7 +39,6 @@ from bench.report.diagnosis.sentences import (
     read_gains,
     refused_text,
     remainder_sentence,
-    rest_sentence,
     scatter_sentence,
     step_text,
     steps_sentence,
