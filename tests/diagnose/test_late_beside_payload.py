@@ -11,9 +11,10 @@ from bench.diagnose.plausibility.drive_picture import DrivePicture, drive_pictur
 from bench.diagnose.plausibility.late_channels import SURE, Late, _late, late_drives
 from bench.diagnose.plausibility.rates import rates_of
 from bench.diagnose.plausibility.repeated import BINS
+from bench.diagnose.plausibility.some_channels import with_channels
 from bench.diagnose.replay.quantities import quantities_of
 from bench.diagnose.replay.replay import Replay
-from bench.diagnose.replay.segments import readings_of, segments_of
+from bench.diagnose.replay.segments import segments_of
 from bench.diagnose.replay.world import World
 from bench.effects.catalogue import catalogue
 from bench.effects.effect import Acting
@@ -43,7 +44,7 @@ def replayed() -> tuple[Replay, DrivePicture, Array]:
     campaign = Campaign("kr300", (run,))
     every = quantities_of(campaign.runs, robot())
     drives = tuple(quantity for quantity in every if quantity.is_drive)
-    paid = readings_of(segments_of(campaign, robot(), every, BINS), every, drives)
+    paid = with_channels(segments_of(campaign, robot(), every, BINS), every, drives)
     replay = Replay(robot(), paid, drives)
     return replay, drive_picture(replay), resting_torque(replay)
 
