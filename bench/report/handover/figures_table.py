@@ -3,7 +3,7 @@
 import csv
 import io
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from bench.effects.nominal import PRESLIDING
 from bench.report.diagnosis.numbers import shown, unit_name
 
 COLUMNS = tuple(field.name for field in fields(FittedFigure))
+SHARE = "share"  # in place of a unit
 
 
 def csv_of(figures: Iterable[FittedFigure]) -> str:
@@ -23,7 +24,8 @@ def csv_of(figures: Iterable[FittedFigure]) -> str:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
     for figure in figures:
-        values = (getattr(figure, name) for name in COLUMNS)
+        named = replace(figure, unit=figure.unit or SHARE)
+        values = (getattr(named, name) for name in COLUMNS)
         plain = (int(value) if isinstance(value, bool) else value for value in values)
         writer.writerow("" if isinstance(value, float) and np.isnan(value) else value for value in plain)
     return text.getvalue()
