@@ -5,22 +5,33 @@ are, and only what is left is estimated. What the log contradicts is said.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bench.identify.directions import most_at_once
 from bench.identify.drive_scale import AT_MOST, DriveScale
-from bench.record.campaign import Array
 from bench.record.look.families import Family
 from bench.report.log_look.angle_units import SLOWEST_GEAR
+from bench.report.log_look.drive_factors import (
+    NEAR_ONE,
+    agree,
+    contradictions,
+    each_drive,
+    estimate,
+    explained,
+    is_near,
+    is_sharp,
+    is_told,
+    mean_over_drives,
+    sign_of,
+    torque_column,
+    unit_words,
+)
 from bench.report.log_look.lines import UNTOLD, Line, si_factor
+from bench.report.log_look.motor_torques import about_motor_torques, motor_factors, motor_torques
 from bench.robot.nominal_dynamics import NominalDynamics
-
-NEAR_ONE = 0.25  # relative: a factor this near to one is no gear ratio; payload and masses may be off so far (assumed)
-NINETY = 1.645  # exact: standard deviations to either side that hold 90 %
-NINETY_NINE = 2.576  # exact: those that hold 99 %; six drives that are as stated stay within in 19 logs of 20
 
 
 def named_by_constants(family: Family, scale: DriveScale, nominal: NominalDynamics, remarks: list[str]) -> Family:
@@ -29,11 +40,11 @@ def named_by_constants(family: Family, scale: DriveScale, nominal: NominalDynami
     That one drive is off is said later, as of readings that are called currents.
     """
     constants = nominal.stated_constant
-    if family.kind != "unknown" or not np.all(np.isfinite(constants)) or _agree(scale, np.ones_like(constants)):
+    if family.kind != "unknown" or not np.all(np.isfinite(constants)) or agree(scale, np.ones_like(constants)):
         return family
-    if not _is_sharp(scale):
+    if not is_sharp(scale):
         why = "the figures state torque constants, and this log tells neither these nor others"
-    elif _is_near(scale, constants):
+    elif is_near(scale, constants):
         why = "the torque constants of the figures fit them"
     else:
         return family
@@ -59,16 +70,16 @@ def scaled(family: Family, scale: DriveScale, nominal: NominalDynamics, remarks:
         remarks += _of_joint_torques(family, scale, nominal)
         yield from _joint_torques(family, scale, nominal)
     else:
-        factors = _motor_factors(family, scale, nominal)
-        remarks += _of_motor_torques(family, scale, nominal, factors)
-        yield from _motor_torques(family, scale, nominal, factors)
+        factors = motor_factors(family, scale, nominal)
+        remarks += about_motor_torques(family, scale, nominal, factors)
+        yield from motor_torques(family, scale, nominal, factors)
 
 
 def _of_directions(scale: DriveScale, nominal: NominalDynamics) -> Iterator[str]:
     """Yield which angles are turned, and of which nobody can tell."""
     names, angles = np.array(nominal.bodies.names), scale.angles
     at_once = most_at_once(len(names))
-    if at_once < len(names) and any(angles.turned[k] or _sign(scale, k) < 0 for k in range(len(names))):
+    if at_once < len(names) and any(angles.turned[k] or sign_of(scale, k) < 0 for k in range(len(names))):
         number = "two" if at_once > 1 else "one"
         yield (
             f"of {len(names)} drives, angles that count the other way round were tried {number} at a time at most: "
@@ -117,11 +128,11 @@ def _of_delay_and_payload(family: Family, scale: DriveScale, nominal: NominalDyn
 
 
 def _currents(family: Family, scale: DriveScale) -> Iterator[Line]:
-    for number, source, k in _each(family):
-        sign = _sign(scale, k)
+    for number, source, k in each_drive(family):
+        sign = sign_of(scale, k)
         direction = "turned, it counts against the model's torque" if sign < 0 else "sign as the model has it"
-        direction = direction if _is_told(scale, k) else "this log does not tell its sign"
-        why = f"{_explained(scale, k)}; {direction}{_unit(family)}"
+        direction = direction if is_told(scale, k) else "this log does not tell its sign"
+        why = f"{explained(scale, k)}; {direction}{unit_words(family)}"
         yield Line(f"current_{number}_a", source, sign * si_factor(family), 0.0, why)
 
 
@@ -129,17 +140,17 @@ def _of_constants(scale: DriveScale, nominal: NominalDynamics) -> Iterator[str]:
     """Yield the torque constants that figures do not state, and those that they state and the log contradicts."""
     names, constants = nominal.bodies.names, nominal.stated_constant
     missing = np.flatnonzero(~np.isfinite(constants)).tolist()
-    told = [f"{names[k]} {_estimate(scale, k)}" for k in missing if _is_told(scale, k)]
+    told = [f"{names[k]} {estimate(scale, k)}" for k in missing if is_told(scale, k)]
     if told:
         yield f"for figures.yaml, torque_constant_nm_per_a as estimated: {', '.join(told)} (torque_constant_error)"
-        worst = max(scale.sigma[k] for k in missing if _is_told(scale, k))
+        worst = max(scale.sigma[k] for k in missing if is_told(scale, k))
         yield (
             f"write the error beside the constant of each drive too, such as `torque_constant_error: {worst:.2g}`: "
             "without it, 0.01 is taken, and intervals of masses and friction are too narrow"
         )
-    if untold := [names[k] for k in missing if not _is_told(scale, k)]:
+    if untold := [names[k] for k in missing if not is_told(scale, k)]:
         yield f"this log does not tell the torque constant of {', '.join(untold)}"
-    yield from _contradictions("torque_constant_nm_per_a", constants, scale, nominal)
+    yield from contradictions("torque_constant_nm_per_a", constants, scale, nominal)
 
 
 def _is_of_joints(family: Family, scale: DriveScale, nominal: NominalDynamics) -> bool:
@@ -154,40 +165,19 @@ def _is_of_joints(family: Family, scale: DriveScale, nominal: NominalDynamics) -
     if np.all(np.abs(size - 1)[scale.counts] < NEAR_ONE):
         return True
     if family.kind != "torque":
-        return _agree(scale, np.ones_like(size))
+        return agree(scale, np.ones_like(size))
     ratio = nominal.gear_ratio
     slowest = np.log(np.where(np.isfinite(ratio) & (ratio > SLOWEST_GEAR), ratio, SLOWEST_GEAR))
-    off, middle = _mean(np.log(size), scale), 0.5 * _mean(slowest, scale)
+    off, middle = mean_over_drives(np.log(size), scale), 0.5 * mean_over_drives(slowest, scale)
     return bool((off if family.unit else abs(off)) < middle)
 
 
-def _agree(scale: DriveScale, expected: Array) -> bool:
-    """Return whether factors are sharply told, in the mean near to what is expected, and no drive is surely off."""
-    is_off = np.abs(expected / np.abs(scale.factor) - 1) >= NINETY * scale.sigma
-    return _is_sharp(scale) and _is_near(scale, expected) and not np.any(is_off[scale.counts])
-
-
-def _is_sharp(scale: DriveScale) -> bool:
-    """Return whether a factor is told within `NEAR_ONE`; many do not tell more, for masses err for all drives alike."""
-    return bool(NINETY * np.min(scale.sigma) < NEAR_ONE)
-
-
-def _is_near(scale: DriveScale, expected: Array) -> bool:
-    """Return whether factors are in the mean near to what is expected."""
-    return abs(_mean(np.log(np.abs(scale.factor) / expected), scale)) < NEAR_ONE
-
-
-def _mean(values: Array, scale: DriveScale) -> float:
-    """Return the mean over the drives that count, those that are told best the most."""
-    return float(np.average(values[scale.counts], weights=scale.sigma[scale.counts] ** -2.0))
-
-
 def _joint_torques(family: Family, scale: DriveScale, nominal: NominalDynamics) -> Iterator[Line]:
-    for number, source, k in _each(family):
+    for number, source, k in each_drive(family):
         off = abs(abs(scale.factor[k]) - 1)
         near = f" within {100 * off:.0f} % of the model's" if off < NEAR_ONE else ""
-        why = f"{_explained(scale, k)}; joint torque{near}{_unit(family)}"
-        yield Line(_torque(number, nominal), source, _sign(scale, k) * si_factor(family), 0.0, why)
+        why = f"{explained(scale, k)}; joint torque{near}{unit_words(family)}"
+        yield Line(torque_column(number, nominal), source, sign_of(scale, k) * si_factor(family), 0.0, why)
 
 
 def _of_joint_torques(family: Family, scale: DriveScale, nominal: NominalDynamics) -> Iterator[str]:
@@ -195,8 +185,8 @@ def _of_joint_torques(family: Family, scale: DriveScale, nominal: NominalDynamic
     size = np.abs(scale.factor)
     if not np.any(np.abs(size - 1)[scale.counts] >= NEAR_ONE):
         return
-    factors = ", ".join(f"{name} {_estimate(scale, k)}" for k, name in enumerate(nominal.bodies.names))
-    if _mean(np.log(size), scale) < -0.5 * np.log(SLOWEST_GEAR):
+    factors = ", ".join(f"{name} {estimate(scale, k)}" for k, name in enumerate(nominal.bodies.names))
+    if mean_over_drives(np.log(size), scale) < -0.5 * np.log(SLOWEST_GEAR):
         yield (
             f"unit {family.unit} in the name of {family.shown} is used, but this log contradicts it. "
             f"Model by reading: {factors}"
@@ -208,103 +198,7 @@ def _of_joint_torques(family: Family, scale: DriveScale, nominal: NominalDynamic
     )
 
 
-@dataclass(frozen=True)
-class _Factors:
-    """Gear ratios with which torques of the motors are read, shape (n,) each; whether the figures state them."""
-
-    size: Array
-    is_stated: np.ndarray[tuple[int], np.dtype[np.bool_]]
-
-
-def _motor_factors(family: Family, scale: DriveScale, nominal: NominalDynamics) -> _Factors:
-    """Return gear ratios of the figures, or estimates; readings that nobody calls torques need not go by the former."""
-    stated = np.isfinite(nominal.gear_ratio)
-    if family.kind == "unknown" and not (np.all(stated) and _agree(scale, nominal.gear_ratio)):
-        stated = np.zeros_like(stated)
-    return _Factors(np.where(stated, nominal.gear_ratio, np.abs(scale.factor)), stated)
-
-
-def _motor_torques(family: Family, scale: DriveScale, nominal: NominalDynamics, factors: _Factors) -> Iterator[Line]:
-    column = [_torque(number, nominal) for number in family.numbers]
-    for (_, source, k), name in zip(_each(family), column, strict=True):
-        told, to_si = _explained(scale, k), si_factor(family)
-        if factors.is_stated[k]:
-            why = f"{told}; gear ratio {factors.size[k]:.6g} of the figures{_unit(family)}"
-            yield Line(name, source, _sign(scale, k) * to_si * float(factors.size[k]), 0.0, why)
-        elif not _is_told(scale, k):
-            why = f"{told}; this log does not tell the factor: write gear ratio or constant{_unit(family)}"
-            yield Line(name, source, to_si, 0.0, why, is_open=True)
-        else:
-            wide = bool(scale.sigma[k] > UNTOLD)
-            remedy = ": not told by this log, write the gear ratio" if wide else ""
-            why = f"{told}; +- {100 * scale.sigma[k]:.0f} %{remedy}{_unit(family)}"
-            factor = float(f"{to_si * _sign(scale, k) * factors.size[k]:.3g}")
-            yield Line(name, source, factor, 0.0, why, is_open=wide)
-
-
-def _of_motor_torques(family: Family, scale: DriveScale, nominal: NominalDynamics, factors: _Factors) -> Iterator[str]:
-    """Yield which factors are estimates or are not told, and which the log contradicts."""
-    yield from _contradictions("gear_ratio", np.where(factors.is_stated, factors.size, np.nan), scale, nominal)
-    estimated = ~factors.is_stated & (scale.sigma <= UNTOLD)
-    if np.any(estimated):
-        yield (
-            f"factors of {family.shown} are estimates: write gear ratios or constants there where they are known, else "
-            f"`gain_sigma: {np.max(scale.sigma[estimated]):.2g}` under instruments: torque: of figures.yaml"
-        )
-    elif not np.any(factors.is_stated):
-        yield (
-            f"this log tells no factor of {family.shown} to {100 * UNTOLD:.0f} %, so none is proposed: write gear "
-            "ratios or torque constants there, or look at a log of larger and faster movements"
-        )
-
-
-def _contradictions(key: str, stated: Array, scale: DriveScale, nominal: NominalDynamics) -> Iterator[str]:
-    """Yield where a log that tells a factor well speaks against the figures, beyond the interval of 99 %."""
-    off = [
-        f"{nominal.bodies.names[k]} {stated[k]:.4g} stated, {_estimate(scale, k)} by torque"
-        for k in np.flatnonzero(np.isfinite(stated) & (scale.sigma <= UNTOLD)).tolist()
-        if abs(np.log(np.abs(scale.factor[k]) / stated[k])) > NINETY_NINE * scale.sigma[k]
-    ]
-    if off:
-        yield (
-            f"{key} of the figures is used, but this log contradicts it: {'; '.join(off)}. Look at that figure, the "
-            "unit, the payload, the masses, and a spring or balancer that the model lacks"
-        )
-
-
 def moved_by(nominal: NominalDynamics, drives: NDArray[np.bool_]) -> str:
     """Return what is read of the way of some drives: angles of hinges, positions of slides."""
     hinges = nominal.bodies.is_hinge[drives]
     return " and ".join(word for word, there in (("angles", hinges), ("positions", ~hinges)) if np.any(there))
-
-
-def _each(family: Family) -> Iterator[tuple[int, str, int]]:
-    """Yield number, column and place of each drive."""
-    for number, source in zip(family.numbers, family.sources, strict=True):
-        yield number, source, number - 1
-
-
-def _torque(number: int, nominal: NominalDynamics) -> str:
-    return f"tau_motor_{number}_{'nm' if nominal.bodies.is_hinge[number - 1] else 'n'}"
-
-
-def _is_told(scale: DriveScale, k: int) -> bool:
-    """Return whether the 90 % interval of a factor leaves zero out: it tells a sign, and a size."""
-    return bool(NINETY * scale.sigma[k] < 1)
-
-
-def _sign(scale: DriveScale, k: int) -> float:
-    return float(np.sign(scale.factor[k])) if _is_told(scale, k) else 1.0
-
-
-def _estimate(scale: DriveScale, k: int) -> str:
-    size = abs(scale.factor[k])
-    return f"{size:.3g} +- {100 * scale.sigma[k]:.0f} %" if _is_told(scale, k) else "not told"
-
-
-def _explained(scale: DriveScale, k: int) -> str:
-    return f"{100 * scale.explained[k]:.0f} % explained"
-
-
-def _unit(family: Family) -> str:
-    return f"; unit {family.unit} in its name" if si_factor(family) != 1 else ""
