@@ -8,7 +8,8 @@ Of a slide beside upright axes nothing but its weight tells, which a free offset
 model tells as well either way are therefore held against what does not turn with them, as in `turned_angles.py`: links
 are no lighter than stated, rotors have inertia, friction takes energy whichever way a drive moves, and a reading is off
 by no more than is stated. A spring that no file has may break these bounds either way; so they count only where they
-cost a drive nothing with the axis turned back.
+cost a drive nothing with the axis turned back. So are axes whose angle alone may be turned: to a linear model without
+bounds, friction that gives energy is as good as friction that takes it.
 
 The first pass (`equations.py`) filters every column at full rate, which is right to the noise. Here an error of half is
 looked for, in as many models as there are axes: filtered motion and torque at some instants do.
@@ -22,7 +23,7 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from bench.identify.arm import Arm
-from bench.identify.dynamics.band import Band, band_of
+from bench.identify.dynamics.band import band_of
 from bench.identify.dynamics.equations import known_torque
 from bench.identify.dynamics.regressor import N_INERTIAL, NOT_NEGATIVE, link_regressor
 from bench.identify.dynamics.samples import MotionSamples, motion_samples
@@ -124,15 +125,40 @@ def turned_axis(campaign: Campaign, nominal: NominalDynamics) -> Turned | None:
     Raises:
         InputError: No motion run has torques or currents, evenly sampled.
     """
-    samples, arm = motion_samples(campaign, nominal), Arm(nominal.bodies)
-    parts = _instants(samples, band_of(samples, None))
-    n = nominal.n_joints
-    given, *turned = (_problem(parts, np.where(np.arange(n) == j, -1.0, 1.0), arm, nominal) for j in range(-1, n))
+    parts, arm, signs = _instants_of(campaign, nominal), Arm(nominal.bodies), _signs(nominal.n_joints)
+    given = _problem(parts, np.abs(signs[0]), arm, nominal)
+    turned = [_problem(parts, one, arm, nominal) for one in signs]
     before, after = given.free(), {j: one.free() for j, one in enumerate(turned)}
     if found := _best(before, after):
         return found
     alike = {j: free for j, free in after.items() if not nominal.bodies.is_hinge[j] and _no_worse(free, before)}
     return _best(given.bounded(), {j: turned[j].bounded() for j in alike}, alike) if alike else None
+
+
+def turned_angle(campaign: Campaign, nominal: NominalDynamics) -> Turned | None:
+    """Return the axis whose angle is turned and its torque is not, if friction could not be what it seems else.
+
+    Args:
+        campaign: With motor torques or currents in motion runs.
+        nominal: The robot.
+
+    Raises:
+        InputError: No motion run has torques or currents, evenly sampled.
+    """
+    parts, arm, signs = _instants_of(campaign, nominal), Arm(nominal.bodies), _signs(nominal.n_joints)
+    given = _problem(parts, np.abs(signs[0]), arm, nominal)
+    before = given.bounded()
+    if _no_worse(before, given.free()):
+        return None
+    turned = [_problem(parts, one, arm, nominal, of_torque=np.abs(one)) for one in signs]
+    return _best(
+        before, {j: one.bounded() for j, one in enumerate(turned)}, {j: one.free() for j, one in enumerate(turned)}
+    )
+
+
+def _signs(n: int) -> Array:
+    """Return the signs of n axes with each of them turned, shape (n, n)."""
+    return 1.0 - 2.0 * np.eye(n)
 
 
 def _best(before: Array, after: Mapping[int, Array], free: Mapping[int, Array] | None = None) -> Turned | None:
@@ -170,8 +196,10 @@ def _mean_squares(values: Array, moves: NDArray[np.bool_]) -> Array:
     return np.array([np.mean(own[at] ** 2) if at.any() else np.nan for own, at in zip(values, moves, strict=True)])
 
 
-def _instants(samples: Sequence[MotionSamples], band: Band) -> list[_Instants]:
-    """Return some instants of each stretch, evenly spaced."""
+def _instants_of(campaign: Campaign, nominal: NominalDynamics) -> list[_Instants]:
+    """Return some instants of each stretch of a campaign, evenly spaced."""
+    samples = motion_samples(campaign, nominal)
+    band = band_of(samples, None)
     kept = [band.kept(part) for part in samples]
     every = max(1, -(-sum(len(rows) for rows in kept) // MOST_INSTANTS))
     found = []
@@ -183,8 +211,19 @@ def _instants(samples: Sequence[MotionSamples], band: Band) -> list[_Instants]:
     return found
 
 
-def _problem(parts: Sequence[_Instants], signs: Array, arm: Arm, nominal: NominalDynamics) -> _Problem:
-    """Return the equations of drives with axes turned."""
+def _problem(
+    parts: Sequence[_Instants], signs: Array, arm: Arm, nominal: NominalDynamics, of_torque: Array | None = None
+) -> _Problem:
+    """Return the equations of drives with axes turned.
+
+    Args:
+        parts: Instants.
+        signs: Shape (n,), of angles.
+        arm: The links.
+        nominal: The robot.
+        of_torque: Shape (n,), signs of torques; None: as of angles.
+    """
+    of_torque = signs if of_torque is None else of_torque
     columns, torque, speed = [], [], []
     for part in parts:
         q, v, a = (signs * values for values in part.state)
@@ -194,7 +233,7 @@ def _problem(parts: Sequence[_Instants], signs: Array, arm: Arm, nominal: Nomina
         own = np.stack([a, forth, back, v, np.ones_like(v), _on(gas, nominal, v)], axis=2)
         beside = np.einsum("tjk,ji->tjik", own, np.eye(len(signs))).reshape(*v.shape, -1)
         columns.append(np.concatenate([links, beside], axis=2))
-        torque.append(signs * part.torque - known_torque(arm, nominal, part.samples, (q, v, a), part.rows))
+        torque.append(of_torque * part.torque - known_torque(arm, nominal, part.samples, (q, v, a), part.rows))
         speed.append(np.abs(v))
     tau, fast = np.concatenate(torque), np.concatenate(speed)
     moves = np.isfinite(tau) & (fast > TURNING * np.max(fast, axis=0, initial=0.0))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.identify.dynamics.turned import turned_axis
+from bench.identify.dynamics.turned import turned_angle, turned_axis
 from bench.record.campaign import Campaign
 from tests.identify.dynamics.rigid_world import Friction, arm, drawn, recorded, robot
 
@@ -30,6 +30,16 @@ def campaign(rng: np.random.Generator) -> Campaign:
 
 def test_of_axes_that_turn_as_they_should_nothing_is_said(campaign: Campaign) -> None:
     assert turned_axis(campaign, robot(arm(), **CRUDE)) is None
+    assert turned_angle(campaign, robot(arm(), **CRUDE)) is None
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_the_angle_that_is_turned_by_itself_is_told(campaign: Campaign, axis: int) -> None:
+    """Its friction would give energy; an angle of a stranger's arm with two joints was believed so."""
+    found = turned_angle(turned(campaign, axis, ("q_motor",)), robot(arm(), **CRUDE))
+    assert found
+    assert found.indices == (axis,)
+    assert found.after < 0.5 * found.before
 
 
 @pytest.mark.parametrize("axis", [1, 2])
