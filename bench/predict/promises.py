@@ -5,10 +5,10 @@ import os
 from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
-from pydantic import ValidationError
+from pydantic import ValidationError, model_validator
 
 from bench.diagnose.cross_validation.predicted_error import PredictedError
 from bench.errors import RobotError
@@ -30,6 +30,13 @@ class _Promise(Strict):
     high: float | None
     fitted_low: float | None = None
     fitted_high: float | None = None
+
+    @model_validator(mode="after")
+    def _ends_in_order(self) -> Self:
+        for low, high in ((self.low, self.high), (self.fitted_low, self.fitted_high)):
+            if low is not None and high is not None and low > high:
+                raise ValueError(f"the low end, {low:g}, is above the high one, {high:g}")
+        return self
 
 
 class _Promises(Strict):

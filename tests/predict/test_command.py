@@ -140,6 +140,13 @@ def test_broken_promises_are_named(tmp_path: Path, text: str) -> None:
         read_promises(tmp_path)
 
 
+def test_an_interval_whose_ends_are_exchanged_is_refused(tmp_path: Path) -> None:
+    """A poisoner's "1e+308 to 0.376" was taken: "less than promised"."""
+    write_promises(tmp_path, [replace(PROMISE, low=2.0, high=1.0)])
+    with pytest.raises(RobotError, match="the low end, 2, is above the high one, 1"):
+        read_promises(tmp_path)
+
+
 @pytest.mark.parametrize("key", ["low", "high", "rms", "runs", "channel", "unit"])
 def test_promises_that_somebody_changed_are_refused(tmp_path: Path, key: str) -> None:
     """A wider interval held, an interval of another channel was left out, and nobody was told."""

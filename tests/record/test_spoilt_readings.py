@@ -54,6 +54,21 @@ def test_a_few_angles_beyond_all_joints_are_lost_and_most_of_them_degrees(
     assert ("lost or spoilt?" in finding.remedy, "degrees?" in finding.remedy) == guesses
 
 
+@pytest.mark.parametrize(("filled", "is_told"), [(slice(600, 900), True), (slice(600, 610), False)])
+def test_a_line_that_was_drawn_over_a_gap_is_told(filled: slice, is_told: bool) -> None:
+    """A poisoner drew one over three seconds of each run; ten rows are no more than chance makes of coarse readings."""
+    columns = {name: values.copy() for name, values in sweep().items()}
+    assert not examine(motion(columns))
+    for name, values in columns.items():
+        if name != "time_s":
+            values[filled] = np.linspace(values[filled][0], values[filled][-1], len(values[filled]))
+    found = [finding for finding in examine(motion(columns)) if "straight line" in finding.message]
+    assert bool(found) == is_told
+    if is_told:
+        assert only(found).level == "warning"
+        assert only(found).row == 602
+
+
 @pytest.mark.parametrize("freedom", [4.0, np.inf])
 def test_tails_of_noise_are_no_spoilt_repeats(freedom: float) -> None:
     rng = np.random.default_rng(5)

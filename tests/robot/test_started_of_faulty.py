@@ -51,6 +51,8 @@ SLIPS = {
 OF_URDF = {
     "effort below zero": (LIMIT, LIMIT.replace("120", "-150"), "joint 'shoulder': limit: effort is -150"),
     "speed below zero": (LIMIT, LIMIT.replace("1.7", "-2"), "joint 'shoulder': limit: velocity is -2"),
+    "a speed in words": (LIMIT, LIMIT.replace("1.7", "fast"), "joint 'shoulder': limit: velocity is 'fast', no number"),
+    "an effort in hexadecimal": (LIMIT, LIMIT.replace("120", "0x3"), "joint 'shoulder': limit: effort is '0x3', no n"),
     "limits exchanged": (LIMIT, LIMIT.replace("-2", "2", 1).replace('upper="2"', 'upper="-2"'), "lower is 2, above"),
     "angles of an origin in degrees": (
         '<origin xyz="0 0 0.4"/>',

@@ -1,5 +1,6 @@
 """What MuJoCo's reader of URDF leaves out, brought in: visual shapes, speed limits, meshes by `package://`."""
 
+import math
 import tempfile
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
@@ -17,6 +18,7 @@ from bench.robot.trial import expect_harmless
 
 MESHES = (".stl", ".obj", ".msh")  # that MuJoCo reads
 UNREAD = ("mimic", "safety_controller", "calibration", "transmission")  # of a URDF, that nothing here has a place for
+LIMITS = ("lower", "upper", "effort", "velocity")  # of a joint in a URDF
 LOOSE = 4  # names of links in one message
 TURN = 6.3  # [rad], exact but for digits: of a roll, pitch or yaw, more says nothing new
 ABOVE = 4  # folders above the URDF in which a package is looked for (assumed: urdf/ and robots/ lie one or two below)
@@ -135,6 +137,9 @@ def _faulty_limits(joints: list[ElementTree.Element]) -> Iterator[str]:
         limit, place = joint.find("limit"), f"joint {joint.get('name')!r}: limit"
         if limit is None:
             continue
+        for key in LIMITS:
+            if (text := limit.get(key)) is not None and not _is_number(text):
+                yield f"{place}: {key} is {text!r}, no number."
         for key in ("effort", "velocity"):
             if (value := _number(limit.get(key, ""))) < 0:
                 yield f"{place}: {key} is {value:g}; write how much it is either way, as a positive number."
@@ -200,6 +205,13 @@ def _find(file: Path, written: str) -> Path | None:
         inner = PurePosixPath(*path.parts[1:])
         places = [folder / way for folder in folders for way in (path, inner)] + [here / path.name]
     return next((place.resolve() for place in places if place.is_file()), None)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return not math.isnan(float(text))
+    except ValueError:
+        return False
 
 
 def _number(text: str) -> float:
