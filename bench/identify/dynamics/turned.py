@@ -125,9 +125,9 @@ def turned_axis(campaign: Campaign, nominal: NominalDynamics) -> Turned | None:
     Raises:
         InputError: No motion run has torques or currents, evenly sampled.
     """
-    parts, arm, signs = _instants_of(campaign, nominal), Arm(nominal.bodies), _signs(nominal.n_joints)
-    given = _problem(parts, np.abs(signs[0]), arm, nominal)
-    turned = [_problem(parts, one, arm, nominal) for one in signs]
+    parts, arm, none = _instants_of(campaign, nominal), Arm(nominal.bodies), np.ones(nominal.n_joints)
+    given = _problem(parts, none, arm, nominal)
+    turned = [_problem(parts, one, arm, nominal) for one in _one_by_one(nominal.n_joints)]
     before, after = given.free(), {j: one.free() for j, one in enumerate(turned)}
     if found := _best(before, after):
         return found
@@ -145,19 +145,19 @@ def turned_angle(campaign: Campaign, nominal: NominalDynamics) -> Turned | None:
     Raises:
         InputError: No motion run has torques or currents, evenly sampled.
     """
-    parts, arm, signs = _instants_of(campaign, nominal), Arm(nominal.bodies), _signs(nominal.n_joints)
-    given = _problem(parts, np.abs(signs[0]), arm, nominal)
+    parts, arm, none = _instants_of(campaign, nominal), Arm(nominal.bodies), np.ones(nominal.n_joints)
+    given = _problem(parts, none, arm, nominal)
     before = given.bounded()
     if _no_worse(before, given.free()):
         return None
-    turned = [_problem(parts, one, arm, nominal, of_torque=np.abs(one)) for one in signs]
+    turned = [_problem(parts, one, arm, nominal, of_torque=none) for one in _one_by_one(nominal.n_joints)]
     return _best(
         before, {j: one.bounded() for j, one in enumerate(turned)}, {j: one.free() for j, one in enumerate(turned)}
     )
 
 
-def _signs(n: int) -> Array:
-    """Return the signs of n axes with each of them turned, shape (n, n)."""
+def _one_by_one(n: int) -> Array:
+    """Return the signs of n axes with each of them turned by itself, shape (n, n)."""
     return 1.0 - 2.0 * np.eye(n)
 
 
