@@ -10,6 +10,7 @@ from bench.diagnose.plausibility.channels import doubts_of
 from bench.diagnose.plausibility.drive_picture import DrivePicture
 from bench.diagnose.plausibility.hints import doubts_and_hints_of, hints_of
 from bench.diagnose.plausibility.mistaken_run import _mistaken
+from bench.diagnose.plausibility.one_run import _unlike
 from bench.hide.campaign import hide_campaign
 from bench.record.campaign import Array, Campaign
 from bench.robot.compiled import CompiledRobot, compile_robot
@@ -163,3 +164,9 @@ def test_one_reading_at_rest_turns_no_sign(off: int, is_told: bool, another: flo
     )
     found = _mistaken(picture, np.repeat(np.arange(runs), rows), 0, range(1, runs))
     assert bool(found) == is_told
+
+
+def test_a_run_of_which_the_others_determine_nothing_is_like_them() -> None:
+    """A poisoner's healthy runs of twenty rows ended `bench check` with a traceback."""
+    columns = np.random.default_rng(1).standard_normal((4, 7))
+    assert not _unlike(columns, np.ones(7), np.ones(4), np.eye(7), np.eye(4)).is_told

@@ -196,7 +196,8 @@ def _unlike(columns: Array, found: Array, left: Array, covariance: Array, beside
         variance = (float(np.mean(rest**2)) * inflation(rest) + float(weights @ covariance @ weights) / power) / power
         explained = 1 - float(rest @ rest) / max(float(left @ left), TINY)
         every.append(_Unlike(how, value, float(np.sqrt(variance)), explained))
-    return max(every, key=lambda one: one.explained)
+    nothing = _Unlike("moved", 0.0, 0.0, 0.0)  # the others determine nothing of a run as short as that
+    return max(every, key=lambda one: one.explained, default=nothing)
 
 
 def _clock(motion: Array, viscous: Array, whole: Array) -> float:

@@ -56,8 +56,8 @@ class Band:
 
         At either end one period of the cut-off is left out: there the filters see past the record.
         """
-        every = max(1, int(samples.rate / (2 * self.cutoff_hz)))
-        edge = int(np.ceil(samples.rate / self.cutoff_hz))
+        period = min(samples.rate / self.cutoff_hz, float(len(samples)))  # in samples
+        every, edge = max(1, int(period / 2)), int(np.ceil(period))
         return np.arange(edge, len(samples) - edge, every)
 
     def filtered(self, values: Array, samples: MotionSamples) -> Array:

@@ -290,6 +290,8 @@ def test_a_cut_off_must_be_a_frequency() -> None:
     campaign = recorded(nominal, FRICTION, np.random.default_rng(9), runs=1, **SHORT)
     with pytest.raises(InputError, match="positive"):
         first_pass(campaign, nominal, cutoff_hz=0.0)
+    with pytest.raises(InputError):  # a period of it is longer than any number of samples
+        first_pass(campaign, nominal, cutoff_hz=1e-308)
 
 
 def test_a_stated_inertia_that_is_far_off_is_found_by_widening() -> None:
