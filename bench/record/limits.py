@@ -73,7 +73,10 @@ MODEL_COPIES = Limit(
     "BENCH_MOST_MODEL_COPIES", 2_000, "copies", "replicate and composite, multiplied; MuJoCo takes their square: 2 s"
 )
 MODEL_ELEMENTS = Limit(
-    "BENCH_MOST_MODEL_ELEMENTS", 20_000, "elements", "of an MJCF or URDF with its includes; 100 000 sites take minutes"
+    "BENCH_MOST_MODEL_ELEMENTS",
+    20_000,
+    "elements",
+    "of an MJCF or URDF with its includes, and numbers of its sensors; 100 000 sites take minutes",
 )
 ASSET_BYTES = Limit("BENCH_MOST_ASSET_BYTES", 500_000_000, "bytes", "assumed: one mesh or texture")
 MODEL_SECONDS = Limit("BENCH_MOST_MODEL_SECONDS", 15, "seconds", "assumed: of the processor, to compile a model once")

@@ -19,7 +19,7 @@ import numpy as np
 
 from bench import paths
 from bench.errors import RobotError
-from bench.record.limits import MODEL_BYTES, MODEL_MEMORY, MODEL_SECONDS
+from bench.record.limits import MODEL_BYTES, MODEL_ELEMENTS, MODEL_MEMORY, MODEL_SECONDS
 from bench.record.plain_file import FileFault, expect_plain
 from bench.robot.mjcf_text import look_through
 from bench.robot.plain_words import plain_words
@@ -117,6 +117,9 @@ def _faults(file: Path) -> Iterator[str]:
         warnings.simplefilter("always")
         spec = mujoco.MjSpec.from_file(str(file))
         model = spec.compile()
+    if MODEL_ELEMENTS.exceeded(numbers := int(model.nsensordata) + int(model.nuserdata)):
+        yield f"its sensors and user data hold {numbers} numbers, more than {MODEL_ELEMENTS}; {MODEL_ELEMENTS.remedy}."
+        return
     infinite = [name for name in FINITE if not np.all(np.isfinite(getattr(model, name)))]
     if infinite:
         yield f"its {infinite[0]} is not finite once compiled; look for numbers that are far too large."

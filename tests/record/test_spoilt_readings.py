@@ -54,6 +54,13 @@ def test_a_few_angles_beyond_all_joints_are_lost_and_most_of_them_degrees(
     assert ("lost or spoilt?" in finding.remedy, "degrees?" in finding.remedy) == guesses
 
 
+def test_where_every_reading_is_far_from_the_next_none_stands_alone() -> None:
+    """A poisoner's log of zeros and ones in turn ended in a traceback."""
+    columns = {name: values.copy() for name, values in sweep().items()}
+    columns["current_2_a"][:] = np.arange(len(columns["time_s"])) % 2
+    assert not [finding for finding in examine(motion(columns)) if "between" in finding.message]
+
+
 @pytest.mark.parametrize(("filled", "is_told"), [(slice(600, 900), True), (slice(600, 610), False)])
 def test_a_line_that_was_drawn_over_a_gap_is_told(filled: slice, is_told: bool) -> None:
     """A poisoner drew one over three seconds of each run; ten rows are no more than chance makes of coarse readings."""

@@ -18,6 +18,7 @@ JOINT = 'name="j1" axis="0 0 1" range="-2.6 2.6"'
 # Of the MJCF
 SLIPS = {
     "a rotor of 1e20": ('armature="1.2"', 'armature="1e20"', "joint 'j1': armature is 1e+20"),
+    "a rotor of next to nothing": ('armature="1.2"', 'armature="1e-310"', "actuator 'j1_servo': kp is"),
     "a rotor below zero": ('armature="1.2"', 'armature="-0.01"', "joint 'j1': armature is -0.01"),
     "damping below zero": ('damping="350"', 'damping="-1"', "joint 'j1': damping is -1"),
     "degrees for radians": (JOINT, JOINT.replace("-2.6 2.6", "-150 150"), "joint 'j1': range is -150 rad"),

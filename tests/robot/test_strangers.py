@@ -61,6 +61,9 @@ FAULTS = {
     "entities": ('<!DOCTYPE a [<!ENTITY b "c">]>' + MJCF, "line 1: has a document type"),
     "not XML": (MJCF.replace("</worldbody>", "</worldbod>"), "not XML"),
     "memory": (MJCF.replace("<worldbody>", '<size nuserdata="2000000000"/><worldbody>'), "memory|alloc"),
+    "sensors without end": (
+        MJCF.replace("<worldbody>", '<sensor><user dim="20000000"/></sensor><worldbody>'), "hold 20000000 numbers, more"
+    ),
     "a mesh that is endless": (
         MJCF.replace("<worldbody>", '<asset><mesh name="m" file="endless.stl"/></asset><worldbody>'), "is a device"
     ),

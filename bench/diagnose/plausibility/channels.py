@@ -32,7 +32,7 @@ from bench.diagnose.plausibility.unstated_loads import unstated_loads
 from bench.diagnose.replay.segments import segments_of
 from bench.effects.places import speed_limit, torque_limit
 from bench.errors import ConvergenceError, InputError
-from bench.identify.dynamics.turned import turned_angle, turned_axis
+from bench.identify.dynamics.turned import turned_axis
 from bench.record.campaign import Array, Campaign
 from bench.record.finding import Finding
 from bench.record.known import PAYLOAD
@@ -49,7 +49,6 @@ FEEBLE = (
     0.1  # assumed: of the torque that the model needs; friction only adds to it, no counterbalance takes so much away
 )
 LINEAR = "a model that is linear in what links weigh leaves"
-BOUNDED = "its weight, friction and the stated offset leave"
 
 
 @np.errstate(over="ignore", invalid="ignore")  # of a robot with absurd masses, whose model then finds no balance
@@ -98,26 +97,21 @@ def doubts_of(
 
 def _turned(campaign: Campaign, compiled: CompiledRobot) -> Iterator[Finding]:
     """Yield the axis that is turned in angle and torque alike, or in angle alone, whatever the links weigh."""
-    nominal = nominal_dynamics(compiled)
     try:
-        both, alone = turned_axis(campaign, nominal), turned_angle(campaign, nominal)
+        turned = turned_axis(campaign, nominal_dynamics(compiled))
     except InputError:  # nothing moves for long enough
         return
-    drives = [drive.joint for drive in compiled.robot.figures.drives]
-    for found, what, back, remedy in (
-        (both, "torque and angle alike", "both", "turn the sign of both, or the axis in the MJCF"),
-        (alone, "and its torque does not", "the angle", "turn the sign of the angle"),
-    ):
-        if found:
-            model = BOUNDED if found.bounded else LINEAR
-            unit = "N" if compiled.is_slide[found.drive] else "Nm"
-            message = (
-                f"{' or '.join(drives[j] for j in found.indices)} moves against the model's sense of turning, {what}: "
-                f"with {back} turned, {model} {found.after:.3g} {unit} of {drives[found.drive]} instead of "
-                f"{found.before:.3g}"
-            )
-            yield doubt(f"q_motor_{found.indices[0] + 1}", message, remedy)
-            return
+    if turned:
+        drives = [drive.joint for drive in compiled.robot.figures.drives]
+        unit = "N" if compiled.is_slide[turned.drive] else "Nm"
+        model = "its weight, friction and the stated offset leave" if turned.bounded else LINEAR
+        how, back = ("and its torque does not", "its angle") if turned.alone else ("torque and angle alike", "both")
+        message = (
+            f"{' or '.join(drives[j] for j in turned.indices)} moves against the model's sense of turning, {how}: with "
+            f"{back} turned, {model} {turned.after:.3g} {unit} of {drives[turned.drive]} instead of {turned.before:.3g}"
+        )
+        remedy = f"turn the sign of {back}{'' if turned.alone else ', or the axis in the MJCF'}"
+        yield doubt(f"q_motor_{turned.indices[0] + 1}", message, remedy)
 
 
 def _of_drives(

@@ -16,14 +16,15 @@ looked for, in as many models as there are axes: filtered motion and torque at s
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from bench.identify.arm import Arm
-from bench.identify.dynamics.band import band_of
+from bench.identify.dynamics.band import Band, band_of
 from bench.identify.dynamics.equations import known_torque
 from bench.identify.dynamics.regressor import N_INERTIAL, NOT_NEGATIVE, link_regressor
 from bench.identify.dynamics.samples import MotionSamples, motion_samples
@@ -50,6 +51,7 @@ class Turned:
         drive: Whose error falls most with the axis turned back.
         before, after: Its root mean square error [Nm] or [N].
         bounded: Whether it takes the bounds of masses, friction and offset to tell.
+        alone: Whether its angle alone is turned, and its torque is not.
     """
 
     indices: tuple[int, ...]
@@ -57,6 +59,7 @@ class Turned:
     before: float
     after: float
     bounded: bool
+    alone: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,14 +89,16 @@ class _Problem:
     lower: Array
     upper: Array
 
+    @cached_property
     def free(self) -> Array:
-        """Return the mean squares that are left of drives, shape (n,); nan if they stay, or tell too little."""
+        """Mean squares that are left of drives, shape (n,); nan if they stay, or tell too little."""
         return self._left(_mean_squares(self.torque, self.moves), None)
 
+    @cached_property
     def bounded(self) -> Array:
-        """Return the same with unknowns between their bounds; drives count by what is left of them without."""
+        """The same with unknowns between their bounds; drives count by what is left of them without."""
         power = _mean_squares(self.torque, self.moves)
-        return self._left(np.maximum(self.free(), SMALL * power), (self.lower, self.upper))
+        return self._left(np.maximum(self.free, SMALL * power), (self.lower, self.upper))
 
     def _left(self, noise: Array, bounds: tuple[Array, Array] | None) -> Array:
         counts = [j for j, variance in enumerate(noise) if variance > 0]
@@ -118,6 +123,8 @@ class _Problem:
 def turned_axis(campaign: Campaign, nominal: NominalDynamics) -> Turned | None:
     """Return the axis that is turned, if there is one without which every drive is told as well, and one far better.
 
+    One that is turned in angle and torque alike comes before one of which only the angle is.
+
     Args:
         campaign: With motor torques or currents in motion runs.
         nominal: The robot.
@@ -125,40 +132,29 @@ def turned_axis(campaign: Campaign, nominal: NominalDynamics) -> Turned | None:
     Raises:
         InputError: No motion run has torques or currents, evenly sampled.
     """
-    parts, arm, none = _instants_of(campaign, nominal), Arm(nominal.bodies), np.ones(nominal.n_joints)
-    given = _problem(parts, none, arm, nominal)
-    turned = [_problem(parts, one, arm, nominal) for one in _one_by_one(nominal.n_joints)]
-    before, after = given.free(), {j: one.free() for j, one in enumerate(turned)}
-    if found := _best(before, after):
+    samples, arm = motion_samples(campaign, nominal), Arm(nominal.bodies)
+    parts = _instants(samples, band_of(samples, None))
+    none, one_by_one = np.ones(nominal.n_joints), 1 - 2 * np.eye(nominal.n_joints)
+    given = _problem(parts, none, none, arm, nominal)
+    turned = {j: _problem(parts, signs, signs, arm, nominal) for j, signs in enumerate(one_by_one)}
+    if found := _best(given.free, {j: one.free for j, one in turned.items()}):
         return found
-    alike = {j: free for j, free in after.items() if not nominal.bodies.is_hinge[j] and _no_worse(free, before)}
-    return _best(given.bounded(), {j: turned[j].bounded() for j in alike}, alike) if alike else None
-
-
-def turned_angle(campaign: Campaign, nominal: NominalDynamics) -> Turned | None:
-    """Return the axis whose angle is turned and its torque is not, if friction could not be what it seems else.
-
-    Args:
-        campaign: With motor torques or currents in motion runs.
-        nominal: The robot.
-
-    Raises:
-        InputError: No motion run has torques or currents, evenly sampled.
-    """
-    parts, arm, none = _instants_of(campaign, nominal), Arm(nominal.bodies), np.ones(nominal.n_joints)
-    given = _problem(parts, none, arm, nominal)
-    before = given.bounded()
-    if _no_worse(before, given.free()):
+    alike = {j: one for j, one in turned.items() if not nominal.bodies.is_hinge[j] and _no_worse(one.free, given.free)}
+    if found := _best_bounded(given, alike):
+        return found
+    if _no_worse(given.bounded, given.free):  # friction is what it can be
         return None
-    turned = [_problem(parts, one, arm, nominal, of_torque=none) for one in _one_by_one(nominal.n_joints)]
-    return _best(
-        before, {j: one.bounded() for j, one in enumerate(turned)}, {j: one.free() for j, one in enumerate(turned)}
-    )
+    alone = {j: _problem(parts, signs, none, arm, nominal) for j, signs in enumerate(one_by_one)}
+    found = _best_bounded(given, alone)
+    return replace(found, alone=True) if found else None
 
 
-def _one_by_one(n: int) -> Array:
-    """Return the signs of n axes with each of them turned by itself, shape (n, n)."""
-    return 1.0 - 2.0 * np.eye(n)
+def _best_bounded(given: _Problem, turned: Mapping[int, _Problem]) -> Turned | None:
+    """Return the best of some axes with unknowns between their bounds, of both."""
+    if not turned:
+        return None
+    bounded = {j: one.bounded for j, one in turned.items()}
+    return _best(given.bounded, bounded, {j: one.free for j, one in turned.items()})
 
 
 def _best(before: Array, after: Mapping[int, Array], free: Mapping[int, Array] | None = None) -> Turned | None:
@@ -196,10 +192,8 @@ def _mean_squares(values: Array, moves: NDArray[np.bool_]) -> Array:
     return np.array([np.mean(own[at] ** 2) if at.any() else np.nan for own, at in zip(values, moves, strict=True)])
 
 
-def _instants_of(campaign: Campaign, nominal: NominalDynamics) -> list[_Instants]:
-    """Return some instants of each stretch of a campaign, evenly spaced."""
-    samples = motion_samples(campaign, nominal)
-    band = band_of(samples, None)
+def _instants(samples: Sequence[MotionSamples], band: Band) -> list[_Instants]:
+    """Return some instants of each stretch, evenly spaced."""
     kept = [band.kept(part) for part in samples]
     every = max(1, -(-sum(len(rows) for rows in kept) // MOST_INSTANTS))
     found = []
@@ -212,18 +206,9 @@ def _instants_of(campaign: Campaign, nominal: NominalDynamics) -> list[_Instants
 
 
 def _problem(
-    parts: Sequence[_Instants], signs: Array, arm: Arm, nominal: NominalDynamics, of_torque: Array | None = None
+    parts: Sequence[_Instants], signs: Array, of_torque: Array, arm: Arm, nominal: NominalDynamics
 ) -> _Problem:
-    """Return the equations of drives with axes turned.
-
-    Args:
-        parts: Instants.
-        signs: Shape (n,), of angles.
-        arm: The links.
-        nominal: The robot.
-        of_torque: Shape (n,), signs of torques; None: as of angles.
-    """
-    of_torque = signs if of_torque is None else of_torque
+    """Return the equations of drives with some angles turned, and some torques, by their signs, shape (n,) each."""
     columns, torque, speed = [], [], []
     for part in parts:
         q, v, a = (signs * values for values in part.state)

@@ -4,10 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from bench.record.campaign import Array
 from bench.record.finding import Finding
 from bench.record.rules.sheet import Sheet
-from bench.record.rules.stuck import ANYWHERE, BY_ROUNDING, NOISY, ROUNDED, is_noisy
+from bench.record.rules.stuck import ANYWHERE, BY_ROUNDING, NOISY, ROUNDED, finest_step, is_noisy
 
 
 @np.errstate(over="ignore", invalid="ignore")  # of readings that are infinite or absurd, which other rules tell
@@ -17,7 +16,7 @@ def readings_are_noisy_throughout(sheet: Sheet) -> Iterator[Finding]:
         return
     straight, changes = np.ones(len(sheet.run) - 2, dtype=bool), np.zeros(len(sheet.run) - 2)
     for _, values in sheet.columns(*NOISY):
-        step = _step(values)
+        step = finest_step(values)
         bends = np.abs(np.diff(values, 2))
         if not step or not is_noisy(values) or np.median(bends) <= ROUNDED * step:
             continue  # rounding may draw a line through so little noise
@@ -33,9 +32,3 @@ def readings_are_noisy_throughout(sheet: Sheet) -> Iterator[Finding]:
         yield sheet.warning(
             "", message, "a gap that was filled? leave those rows out, so that nobody fits to them", rows
         )
-
-
-def _step(values: Array) -> float:
-    """Return the finest step between readings that differ; 0 where none do."""
-    steps = np.diff(np.unique(values))
-    return float(steps.min()) if len(steps) else 0.0

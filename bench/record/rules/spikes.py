@@ -91,7 +91,7 @@ def _alone(values: Array, travel: float) -> NDArray[np.bool_]:
     step = np.diff(values)
     out = np.where(step[:-1] * step[1:] < 0, np.minimum(np.abs(step[:-1]), np.abs(step[1:])), 0.0)
     far = _more_than_chance(out, np.abs(step))
-    if not far.any():
+    if not far.any() or far.all():  # where each row is far from its neighbours none stands alone
         return np.zeros(len(values), dtype=np.bool_)
     is_large = out > LARGE * float(np.ptp(values[1:-1][~far]))
     _, which, count = np.unique(values[1:-1][far], return_inverse=True, return_counts=True)

@@ -103,9 +103,15 @@ def _is_noisy_beside_a_trend(values: Array) -> bool:
     bends = _steps(_steps(moving))
     if len(bends) < ANYWHERE or np.mean(_steps(moving) == 0) >= EQUAL:
         return False
-    step = float(np.min(np.diff(np.unique(moving))))
+    step = finest_step(moving)
     turns = np.sign(bends)[np.abs(bends) > step / 2]
     return bool(np.median(np.abs(bends)) > BY_ROUNDING * step and np.mean(turns[1:] != turns[:-1]) > TURNS)
+
+
+def finest_step(values: Array) -> float:
+    """Return the finest step between readings that differ; 0 where none do."""
+    steps = np.diff(np.unique(values))
+    return float(steps.min()) if len(steps) else 0.0
 
 
 def _steps(values: Array) -> Array:
@@ -128,7 +134,7 @@ def _resting(sheet: Sheet, name: str, values: Array, cause: Cause) -> Iterator[F
     starts, ends = _stretches(values)
     length, level = ends - starts, values[starts]
     travel = np.maximum.reduceat(cause.values, starts) - np.minimum.reduceat(cause.values, starts)
-    step = float(np.min(np.diff(np.unique(values))))
+    step = finest_step(values)
     many = _more_than_chance(values)
     for extreme, word in ((values.max(), "largest"), (values.min(), "smallest")):
         at = (length >= many) & (level == extreme)

@@ -46,7 +46,7 @@ def refusals(file: Path, proposed: str, nominal: NominalDynamics | None) -> Iter
 
 
 def _turned(campaign: Campaign, nominal: NominalDynamics) -> Iterator[str]:
-    """Yield the axis that is turned in angle and torque alike, by a model that is linear in what links weigh.
+    """Yield the axis that is turned, in angle and torque alike or in angle alone, whatever links weigh.
 
     Drives share links, so their torques have to be in one unit: a current without a stated constant says nothing here.
     """
@@ -57,10 +57,11 @@ def _turned(campaign: Campaign, nominal: NominalDynamics) -> Iterator[str]:
     if turned:
         axes = " or ".join(f"axis {j + 1}" for j in turned.indices)
         model = "its weight, friction and the stated offset leave" if turned.bounded else "a linear model leaves"
+        how = "its angle alone" if turned.alone else "angle and torque or current alike"
+        back = "the factor of its angle" if turned.alone else "the factors of both"
         yield (
-            f"{axes} seems to count the other way round than the model's, angle and torque or current alike: with the "
-            f"factors of both turned, {model} {turned.after:.3g} of drive {turned.drive + 1} instead of "
-            f"{turned.before:.3g}"
+            f"{axes} seems to count the other way round than the model's, {how}: with {back} turned, {model} "
+            f"{turned.after:.3g} of drive {turned.drive + 1} instead of {turned.before:.3g}"
         )
 
 

@@ -121,7 +121,8 @@ def _add_drive(
     add(element, "joint", joint=names["joint"], coef="-1")
     servo = add(sections["actuator"], "pid", name=names["servo"], joint=names["rotor"], input="pos vel")
     servo.attrib |= {"kp": f"{drive.kp:g}", "kv": f"{drive.kv:g}", "ki": f"{drive.ki:g}"}
-    servo.attrib |= {"imax": f"{drive.torque_limit / drive.ki:.4g}", "posrange": f"{limits[0]:.12g} {limits[1]:.12g}"}
+    most = drive.torque_limit / drive.ki if drive.ki else 0.0  # a rotor of 1e-310 kg m^2 has no servo, and is refused
+    servo.attrib |= {"imax": f"{most:.4g}", "posrange": f"{limits[0]:.12g} {limits[1]:.12g}"}
     servo.attrib |= {"forcerange": f"{-drive.torque_limit:g} {drive.torque_limit:g}"}
     for side, joint, level, sigma in (
         ("motor_friction", names["rotor"], drive.coulomb, drive.motor_presliding),

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.identify.dynamics.turned import turned_angle, turned_axis
+from bench.identify.dynamics.turned import turned_axis
 from bench.record.campaign import Campaign
 from tests.identify.dynamics.rigid_world import Friction, arm, drawn, recorded, robot
 
@@ -30,15 +30,14 @@ def campaign(rng: np.random.Generator) -> Campaign:
 
 def test_of_axes_that_turn_as_they_should_nothing_is_said(campaign: Campaign) -> None:
     assert turned_axis(campaign, robot(arm(), **CRUDE)) is None
-    assert turned_angle(campaign, robot(arm(), **CRUDE)) is None
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_the_angle_that_is_turned_by_itself_is_told(campaign: Campaign, axis: int) -> None:
     """Its friction would give energy; an angle of a stranger's arm with two joints was believed so."""
-    found = turned_angle(turned(campaign, axis, ("q_motor",)), robot(arm(), **CRUDE))
+    found = turned_axis(turned(campaign, axis, ("q_motor",)), robot(arm(), **CRUDE))
     assert found
-    assert found.indices == (axis,)
+    assert (found.indices, found.alone) == ((axis,), True)
     assert found.after < 0.5 * found.before
 
 
@@ -47,6 +46,7 @@ def test_the_axis_that_is_turned_is_told(campaign: Campaign, axis: int) -> None:
     """Beside its parallel neighbour: with both turned, such an arm is nearly itself turned round by half a turn."""
     found = turned_axis(turned(campaign, axis, ("q_motor", "tau_motor")), robot(arm(), **CRUDE))
     assert found
+    assert not found.alone
     assert axis in found.indices
     assert set(found.indices) <= {1, 2}
     assert found.after < 0.5 * found.before
