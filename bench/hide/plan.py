@@ -18,7 +18,7 @@ from bench.simulate.bare import bare_spec
 from bench.simulate.batch import Course, Rows, course_of
 from bench.simulate.drive import Log
 from bench.simulate.policy import Sitting, Step
-from bench.simulate.session import SITTINGS, edits_of
+from bench.simulate.session import edits_of, sittings_of
 
 Loads = Callable[[Array], Array]
 
@@ -100,7 +100,7 @@ def setup_of(robot: Robot, session: Experiment) -> Setup:
     compiled = compile_robot(robot, edits_of(session))
     session.check(robot, compiled.limits)
     before_end = float(compiled.model.opt.timestep)
-    legs = tuple(_leg(one, before_end) for one in SITTINGS[session.experiment](session, robot))
+    legs = tuple(_leg(one, before_end) for one in sittings_of(session, robot))
     return Setup(compiled, bare_spec(robot), before_end, legs)
 
 

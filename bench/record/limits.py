@@ -66,6 +66,12 @@ TABLE_COLUMNS = Limit("BENCH_MOST_TABLE_COLUMNS", 1_000, "columns", "assumed: al
 CAMPAIGN_CELLS = Limit("BENCH_MOST_CAMPAIGN_CELLS", 100_000_000, "cells", "of all tables; 800 MB")
 CAMPAIGN_RUNS = Limit("BENCH_MOST_CAMPAIGN_RUNS", 5_000, "runs", "assumed: a run each ten minutes for a month")
 FOLDER_ENTRIES = Limit("BENCH_MOST_FOLDER_ENTRIES", 50_000, "files", "assumed: ten files for each run")
+SIMULATED_SECONDS = Limit(
+    "BENCH_MOST_SIMULATED_SECONDS",
+    10_000,
+    "seconds",
+    "that a scenario takes: four times `session`; 10 min to run",
+)
 MODEL_BYTES = Limit("BENCH_MOST_MODEL_BYTES", 50_000_000, "bytes", "an MJCF with its includes; meshes count apart")
 MODEL_DEPTH = Limit("BENCH_MOST_MODEL_DEPTH", 300, "levels", "assumed: a chain of 100 bodies; far below the stack")
 MODEL_INCLUDES = Limit("BENCH_MOST_MODEL_INCLUDES", 200, "includes", "assumed: a file for each part of an arm")
@@ -84,7 +90,7 @@ MODEL_MEMORY = Limit("BENCH_MOST_MODEL_MEMORY", 4_000_000_000, "bytes", "assumed
 
 LIMITS: Sequence[Limit] = (
     *(YAML_BYTES, YAML_DEPTH, YAML_VALUES, JSON_BYTES),
-    *(TABLE_BYTES, TABLE_CELLS, TABLE_COLUMNS, CAMPAIGN_CELLS, CAMPAIGN_RUNS, FOLDER_ENTRIES),
+    *(TABLE_BYTES, TABLE_CELLS, TABLE_COLUMNS, CAMPAIGN_CELLS, CAMPAIGN_RUNS, FOLDER_ENTRIES, SIMULATED_SECONDS),
     *(MODEL_BYTES, MODEL_DEPTH, MODEL_INCLUDES, MODEL_COPIES, MODEL_ELEMENTS, ASSET_BYTES, MODEL_SECONDS, MODEL_MEMORY),
 )
 

@@ -9,7 +9,7 @@ from bench.errors import ScenarioError
 from bench.record.strict import Strict
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
-from bench.scenario.types import MOST_REPEATS, Positive, Seconds
+from bench.scenario.types import MOST_REPEATS, Acceleration, Seconds, SpeedShare
 
 
 class DwellPart(Strict):
@@ -24,8 +24,8 @@ class DwellPart(Strict):
     )
     repeats: Annotated[int, Field(ge=1, le=MOST_REPEATS)] = Field(3, description="readings each time")
     repeat_interval_s: Seconds = 0.1
-    move_speed: Positive = Field(0.6, le=1.0, description="share of the drives' speed limit")
-    acceleration_deg_per_s2: Positive = 60.0
+    move_speed: SpeedShare = Field(0.6, description="share of the drives' speed limit")
+    acceleration_deg_per_s2: Acceleration = 60.0
 
     @property
     def n_times(self) -> int:

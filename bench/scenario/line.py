@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from bench.errors import InputError, ScenarioError, unknown_name
+from bench.record.limits import SIMULATED_SECONDS
 from bench.record.rules.scale import MAX_LENGTH
 from bench.record.strict import Strict
 from bench.robot.bodies import Array, Point, RigidBodies, read_only
@@ -15,7 +16,7 @@ from bench.robot.kinematics import place, turn_onto
 from bench.robot.line_path import JointPath, line_path
 from bench.robot.links import rigid_bodies
 from bench.scenario.rotation import CONTROL_PERIOD_S
-from bench.scenario.types import DAY_S, Pause, Positive, ScenarioBase, Seconds
+from bench.scenario.types import Pause, Positive, ScenarioBase, Seconds
 
 Triple = tuple[float, float, float]
 Coordinate = Annotated[float, Field(ge=-MAX_LENGTH, le=MAX_LENGTH)]
@@ -120,8 +121,11 @@ class LinePart(Strict):
                 f"sample_period_s: {self.length_m:g} m at {self.speed_m_per_s:g} m/s are {samples:g} samples; make "
                 "it a whole number, so that both ends of the line are read."
             )
-        if self.length_m > self.speed_m_per_s * DAY_S:
-            problems.append(f"speed_m_per_s: {self.length_m:g} m take more than a day; go faster.")
+        if self.length_m > self.speed_m_per_s * (SIMULATED_SECONDS.value - 2 * self.lead_in_s):
+            problems.append(
+                f"speed_m_per_s: {self.length_m:g} m and {self.lead_in_s:g} s at both ends "
+                f"take more than {SIMULATED_SECONDS}; {SIMULATED_SECONDS.remedy}."
+            )
         rating = robot.figures.rating.force_n
         if self.force_n > rating:
             problems.append(f"force_n: {self.force_n:g} N is above the rating of {robot.name}, {rating:g} N.")

@@ -9,7 +9,7 @@ from bench.errors import ScenarioError
 from bench.record.strict import Strict
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
-from bench.scenario.types import MOST_REPEATS, Pause, Positive, ScenarioBase, Seconds
+from bench.scenario.types import MOST_REPEATS, Acceleration, Pause, Positive, ScenarioBase, Seconds, SpeedShare
 
 ApproachDirection = Literal[-1, 1]
 
@@ -38,8 +38,8 @@ class LoadingPart(Strict):
     unload: bool = Field(True, description="take the loads off again in steps and read at each")
     repeats: Annotated[int, Field(ge=1, le=MOST_REPEATS)] = 10
     repeat_interval_s: Seconds = 0.1
-    move_speed: Positive = Field(0.3, le=1.0, description="share of the drives' speed limit, between poses")
-    acceleration_deg_per_s2: Positive = 30.0
+    move_speed: SpeedShare = Field(0.3, description="share of the drives' speed limit, between poses")
+    acceleration_deg_per_s2: Acceleration = 30.0
     approach_speed_deg_per_s: Seconds = 2.0
     load_ramp_s: Seconds = 1.0
     settle_s: Pause = 2.0

@@ -6,10 +6,20 @@ import numpy as np
 from pydantic import Field
 
 from bench.errors import ScenarioError
+from bench.record.limits import SIMULATED_SECONDS
 from bench.record.strict import Strict
 from bench.robot.bodies import Array
 from bench.robot.folder import Robot
-from bench.scenario.types import DAY_S, MOST_REPEATS, NonNegative, Pause, Positive, ScenarioBase, Seconds
+from bench.scenario.types import (
+    MOST_REPEATS,
+    Acceleration,
+    NonNegative,
+    Pause,
+    Positive,
+    ScenarioBase,
+    Seconds,
+    SpeedShare,
+)
 
 CONTROL_PERIOD_S = 0.004  # of `bench.simulate.env`; a test holds the two together
 STANDARD_GRAVITY = 9.80665  # [m/s^2]
@@ -31,8 +41,8 @@ class RotationPart(Strict):
     settle_s: Pause = Field(1.0, description="standstill before each traverse")
     repeats: Annotated[int, Field(ge=1, le=MOST_REPEATS)] = 1
     sample_period_s: Annotated[float, Field(ge=CONTROL_PERIOD_S, multiple_of=CONTROL_PERIOD_S)] = 0.02
-    move_speed: Positive = Field(0.3, le=1.0, description="share of the drives' speed limit, between traverses")
-    acceleration_deg_per_s2: Positive = Field(30.0, description="between traverses")
+    move_speed: SpeedShare = Field(0.3, description="share of the drives' speed limit, between traverses")
+    acceleration_deg_per_s2: Acceleration = Field(30.0, description="between traverses")
 
     @property
     def lead_deg(self) -> float:
@@ -73,9 +83,10 @@ class RotationPart(Strict):
             )
         fastest = np.rad2deg(robot.figures.drives[swept].speed_limit_rad_per_s)
         problems += [
-            f"speeds_deg_per_s[{i}]: {last - first:g} deg take more than a day; go faster."
+            f"speeds_deg_per_s[{i}]: {last - first:g} deg and two ramps of {self.ramp_s:g} s "
+            f"take more than {SIMULATED_SECONDS}; {SIMULATED_SECONDS.remedy}."
             for i, speed in enumerate(self.speeds_deg_per_s)
-            if last - first > speed * DAY_S
+            if last - first > speed * (SIMULATED_SECONDS.value - 2 * self.ramp_s)
         ]
         problems += [
             f"speeds_deg_per_s[{i}]: {speed:g} deg/s is above the limit of joint {self.joint}, {fastest:g} deg/s."

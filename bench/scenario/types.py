@@ -11,6 +11,8 @@ NonNegative = Annotated[float, Field(ge=0)]
 DAY_S = 86400.0  # [s]; longer than any part of an experiment, and a day of readings fits into memory
 Seconds = Annotated[float, Field(gt=0, le=DAY_S)]
 Pause = Annotated[float, Field(ge=0, le=DAY_S)]
+SpeedShare = Annotated[float, Field(ge=1e-4, le=1)]  # of the drives' speed limit; assumed: less is no motion
+Acceleration = Annotated[float, Field(ge=1e-3)]  # [deg/s^2], as well
 MOST_REPEATS = 10_000  # assumed: a thousand times what a laboratory reads at one pose; more never ends
 FrictionSide = Literal["as-model", "motor", "link", "none"]
 

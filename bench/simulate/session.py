@@ -2,13 +2,16 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import chain, islice
 
 import numpy as np
 
+from bench.errors import ScenarioError
 from bench.record.campaign import Campaign, Run
+from bench.record.limits import SIMULATED_SECONDS
 from bench.robot.compiled import CompiledRobot, SpecEdit, compile_robot
 from bench.robot.edits import friction_on, proportional_servo
-from bench.robot.folder import load_robot
+from bench.robot.folder import Robot, load_robot
 from bench.scenario.files import Experiment
 from bench.scenario.session import SessionScenario
 from bench.scenario.types import ScenarioBase
@@ -85,7 +88,7 @@ def run_session(scenario: Experiment, progress: Progress = lambda share: None) -
     robot = load_robot(scenario.robot)
     compiled = compile_robot(robot, edits_of(scenario))
     scenario.check(robot, compiled.limits)
-    sittings = SITTINGS[scenario.experiment](scenario, robot)
+    sittings = sittings_of(scenario, robot)
     run = _in_stretches if isinstance(scenario, SessionScenario) else _period_by_period
     record = run(scenario, compiled, sittings, progress)
     progress(1.0)
@@ -105,6 +108,20 @@ def run_session(scenario: Experiment, progress: Progress = lambda share: None) -
         instants=instants,
         film=record.film,
     )
+
+
+def sittings_of(scenario: Experiment, robot: Robot) -> tuple[Sitting, ...]:
+    """Return what a scenario does on a robot that it fits.
+
+    Raises:
+        ScenarioError: It takes longer than is simulated; its steps are counted first.
+    """
+    most = round(SIMULATED_SECONDS.value / CONTROL_PERIOD)
+    sittings = SITTINGS[scenario.experiment]
+    steps = chain.from_iterable(sitting.steps for sitting in sittings(scenario, robot))
+    if next(islice(steps, most, None), None):
+        raise ScenarioError([f"experiment: takes more than {SIMULATED_SECONDS}; {SIMULATED_SECONDS.remedy}."])
+    return sittings(scenario, robot)
 
 
 def edits_of(scenario: ScenarioBase) -> tuple[SpecEdit, ...]:

@@ -54,7 +54,7 @@ def scenarios(rng: np.random.Generator) -> Iterator[Variant]:
     line = (paths.scenarios_dir() / "line.yaml").read_text()
     faults["a line without speed"] = (
         re.sub(r"speed_m_per_s: [\d.]+", "speed_m_per_s: 1e-320", line, count=1),
-        "speed_m_per_s: 0.6 m take more than a day",  # it ended in a traceback
+        "speed_m_per_s: 0.6 m and 3 s at both ends take more than 10 000 seconds",  # it ended in a traceback
     )
     for name, (text, place) in faults.items():
         yield Variant("scenarios", name, _file(SCENARIO, text), "error", (place,), RUN)

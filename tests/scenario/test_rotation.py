@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from bench.errors import InputError
+from bench.errors import InputError, ScenarioError
 from bench.robot.compiled import compile_robot
 from bench.robot.folder import load_robot
 from bench.scenario.files import read_scenario
 from bench.scenario.rotation import CONTROL_PERIOD_S, Rotation
 from bench.simulate.env import CONTROL_PERIOD
+from bench.simulate.session import run_session, sittings_of
 from tests.simulate.rotation_small import small_rotation
 
 
@@ -65,3 +66,19 @@ def test_all_faults_are_listed(small_robot: Path) -> None:
 def test_a_joint_that_is_not_there(small_robot: Path) -> None:
     assert "there is no joint 3" in problems(small_robot, joint=3)
     assert "1 angles" in problems(small_robot, start_deg=[0])
+
+
+def test_a_scenario_that_takes_for_ever_is_refused(small_robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A thousandth of a degree per second, or traverses without end, took all memory."""
+    assert "speeds_deg_per_s[0]" in problems(small_robot, speeds_deg_per_s=[1e-3])
+    monkeypatch.setenv("BENCH_MOST_SIMULATED_SECONDS", "100")
+    with pytest.raises(ScenarioError, match=r"experiment: takes more than 100 seconds; .*BENCH_MOST_SIMULATED_SECONDS"):
+        run_session(small_rotation(small_robot, repeats=10))
+    monkeypatch.setenv("BENCH_MOST_SIMULATED_SECONDS", "1000")
+    assert sittings_of(small_rotation(small_robot, repeats=10), load_robot(small_robot))
+
+
+@pytest.mark.parametrize("key", ["move_speed", "acceleration_deg_per_s2"])
+def test_moves_that_never_end_are_refused(small_robot: Path, key: str) -> None:
+    with pytest.raises(ValidationError, match=key):
+        small_rotation(small_robot, **{key: 5e-324})
